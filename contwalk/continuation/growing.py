@@ -12,6 +12,7 @@ from contwalk.continuation.events import Plan
 from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.labels import OF_LOCI
 from contwalk.problems.problem import LimitType, PointType, Problem
 
 
@@ -44,7 +45,7 @@ def grown(
 
 def _followed(plan: Plan, kind: PointType) -> bool:
     """Whether the branches that leave points of a kind are wanted."""
-    if isinstance(kind, LimitType) and not kind.declared:
+    if isinstance(kind, LimitType) and not kind.declared and kind.label not in OF_LOCI:
         return plan.settings.events.get(kind.label) == "switch"
     return kind.label in plan.follow
 

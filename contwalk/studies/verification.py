@@ -102,7 +102,7 @@ def compared(
     why = _not_for_us(branch, point)
     if why:
         return replace(begun, reason=why, verdict=ELSEWHERE if _of_parent(branch, point) else SKIPPED)
-    orbit, accuracy = branch.info.problem in ORBITS, steps.accuracy
+    orbit, accuracy = _of_orbits(branch), steps.accuracy
     marked = marks or {}
     begun = replace(begun, method=method or "40 digits")
     if not orbit and _at_given_value(branch, point):
@@ -150,12 +150,14 @@ def _not_for_us(branch: Branch, point: SpecialPoint) -> str:
     """Why a point is not recomputed; empty if it is."""
     if point.status != "located":
         return "it was not located in the first place"
-    of = branch.info.settings.get("of_problem", branch.info.problem)
-    if branch.info.problem == LOCUS and of != "equilibrium":
-        return "points of curves of orbits are not recomputed"
     if _of_parent(branch, point):
         return "the orbit is its parent again: the parent's own point is recomputed"
     return ""
+
+
+def _of_orbits(branch: Branch) -> bool:
+    """Whether a branch is one of orbits, or a curve in two parameters of them."""
+    return branch.info.settings.get("of_problem", branch.info.problem) in ORBITS
 
 
 def _at_given_value(branch: Branch, point: SpecialPoint) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from contwalk.problems.hybrid import limit_points, limits_told
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_curves import Limits
+from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
 from contwalk.problems.problem import LimitType, Located, Sample, Seed
 
@@ -67,13 +68,23 @@ class LimitOnCurve:
 class LimitsOnCurve:
     """What curves of orbits through events have: limits, in the order of those of their orbits."""
 
-    def __init__(self, orbit: Any, curve: OrbitCurve, free: str) -> None:
-        self._orbit, self._free = orbit, free
+    def __init__(self, plane: OrbitPlane, curve: OrbitCurve) -> None:
+        orbit, self._plane = plane.orbit, plane
+        self._orbit, self._free = orbit, plane.free[0]
         self.limits: Sequence[LimitOnCurve] = [LimitOnCurve(own, curve.of) for own in orbit.limits]
 
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
-        return limit_points.nearest(self._orbit, point)
+        z, tangent = np.array(point.unknowns), np.array(point.tangent)
+        there, own = self._plane.first(z)
+        orbit = replace(
+            point,
+            label=point.label if point.label in ("OC", "AZ") else "GR",
+            kind="terminal" if point.kind == "resonant" else point.kind,
+            unknowns=tuple(own.tolist()),
+            tangent=(*tangent[: self._plane.size].tolist(), float(tangent[-1])),
+        )
+        return limit_points.nearest(there, orbit)
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """Why the orbits of a curve beyond a limit are not the machine's."""

@@ -84,7 +84,13 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
     @cached_property
     def limited(self) -> LimitsOnCurve | None:
         """The limits of orbits through events; None of others."""
-        return None if self.orbit.limited is None else LimitsOnCurve(self.orbit, self.curve, self.free)
+        return None if self.orbit.limited is None else LimitsOnCurve(self.plane, self.curve)
+
+    @property
+    def typical_parameters(self) -> np.ndarray:
+        """Typical magnitudes of the second and the first parameter, shape (2,)."""
+        assert self._near is not None
+        return self._near[1][-2:]
 
     @property
     def diagnosis(self) -> OrbitLocusDiagnosis:
@@ -255,12 +261,14 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
             "settings": {**settings, **self.curve.facts(), "of_problem": self.orbit.kind},
         }
 
-    def on(self, orbit: Any, z: np.ndarray, weights: np.ndarray) -> OrbitLocus:
-        """The same curve of an orbit on other steps, with its condition made near a place.
+    def on(
+        self, orbit: Any, z: np.ndarray, weights: np.ndarray, curve: OrbitCurve | None = None
+    ) -> OrbitLocus:
+        """The same curve, or another one, of an orbit on other steps, with its condition made near a place.
 
         z and weights have the shape (N + k + 2,).
         """
-        return OrbitLocus(OrbitPlane(orbit, self.plane.free), self.curve, (z, weights))
+        return OrbitLocus(OrbitPlane(orbit, self.plane.free), curve or self.curve, (z, weights))
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> OrbitLocus:
         """The curve discretised for a solution that is taken up again; both of shape (N + k + 2,)."""

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from contwalk.branch import SpecialPoint
+from contwalk.labels import OF_LOCI
 from contwalk.problems.hybrid import limit_points, limits_told
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
+from contwalk.problems.locus.orbit_points.switching import limit_born
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.problem import LimitType, Located, Sample, Test
+from contwalk.problems.problem import LimitType, Located, Sample, Seed, Test
 
 
 class LimitOnCurve(OrbitLocusPoint, LimitType):
@@ -50,6 +54,14 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
             return {"limit": which, "seconds": float(y[-1] if limit.test == "dip" else lasting)}
 
         return Augmented(system.evaluate, system.start, scale, vectors)
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of that grazing, where the curve of these orbits is told to cross it."""
+        return limit_born(problem, point, self.like) if self.label in OF_LOCI else ()
+
+    def has(self, point: SpecialPoint) -> bool:
+        """A point of that label where both curves cross, not one where they are tangent."""
+        return point.label == self.label and point.kind != "resonant"
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The kind, and where in the cycle it is met."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 
+from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.orbit_conditions import pair_system
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint, near_of, together
+from contwalk.problems.locus.orbit_points.switching import born
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.problem import Sample, Test
+from contwalk.problems.problem import Sample, Seed, Test
 
 
 class OnTori(OrbitLocusPoint):
@@ -40,11 +43,19 @@ class R1OnTori(OnTori):
 
     label, cosine = "R1", 1.0
 
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of folds."""
+        return born(problem, point, "LP")
+
 
 class R2OnTori(OnTori):
     """Both multipliers are minus one: the curve goes on as neutral saddles."""
 
     label, cosine = "R2", -1.0
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of doublings."""
+        return born(problem, point, "PD")
 
 
 class R3(OnTori):
@@ -76,6 +87,14 @@ class SecondMultiplier(OrbitLocusPoint):
         near = near_of(problem, sample, own)
         pair = pair_system(there, near, self.multiplier, held=True)
         return together(problem, sample, [Held(pair, np.zeros(0, dtype=int))], np.zeros(0))
+
+    def critical(self, point: SpecialPoint, sample: Sample) -> complex:
+        """The multiplier that arrives."""
+        return complex(self.multiplier)
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of tori, and of the neutral saddles that they become."""
+        return born(problem, point, "NS", self.multiplier)
 
 
 class R1OnFolds(SecondMultiplier):

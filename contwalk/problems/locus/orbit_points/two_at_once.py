@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid.adjacent.at_limit import built_at
 from contwalk.problems.hybrid.adjacent.orbit import NoAdjacentOrbit
 from contwalk.problems.locus.orbit_curves import CURVES
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together, where_zero
+from contwalk.problems.locus.orbit_points.switching import born, second_cosine
 from contwalk.problems.orbit import scales, variations
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 # Grazing orbits whose neighbours are kept: folds and doublings ask for the same ones.
 MOST_KEPT = 8
@@ -55,6 +58,26 @@ class TwoAtOnce(OrbitLocusPoint):
         held = [problem.condition, Held(curve.system(there, near, further), places)]
         return together(problem, sample, held, further)
 
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The other curve."""
+        if self._other != "NS":
+            return born(problem, point, self._other)
+        held = float(problem.further(np.array(point.unknowns))[0]) if problem.curve.of == "NS" else None
+        cosine = second_cosine(point, held)
+        return () if cosine is None else born(problem, point, "NS", cosine)
+
+    def critical(self, point: SpecialPoint, sample: Sample) -> complex:
+        """The multiplier of the other curve."""
+        if self._other != "NS":
+            return complex(1.0 if self._other == "LP" else -1.0)
+        found = second_cosine(point, float(sample.resting[0].real) if len(sample.resting) == 2 else None)
+        cosine = 0.0 if found is None else found
+        return complex(cosine, np.sqrt(max(1.0 - cosine**2, 0.0)))
+
+    def has(self, point: SpecialPoint) -> bool:
+        """A point of that label where both curves cross."""
+        return point.label == self.label and point.kind != "resonant"
+
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """Of grazings the kind: both curves cross."""
         return ("interior" if self.label.startswith("GR") else None), {}, None
@@ -95,6 +118,14 @@ class ResonantGrazing(TwoAtOnce):
         if problem.curve.limit.test == "rate":
             return self.both(problem, sample)
         return where_zero(sample, problem, self._signed)
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """None: both curves are tangent there, and the other one is of orbits with another signature."""
+        return ()
+
+    def has(self, point: SpecialPoint) -> bool:
+        """A point of that label where both curves are tangent."""
+        return point.label == self.label and point.kind == "resonant"
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The kind: both curves are tangent there."""
