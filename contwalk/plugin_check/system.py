@@ -26,6 +26,7 @@ from contwalk.plugin_check.keeping import check_keeping
 from contwalk.plugin_check.kinks import check_kinks
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
 from contwalk.plugin_check.neutral import check_neutral
+from contwalk.plugin_check.parameter_kinks import check_kinks_of_period, check_parameter_kinks
 from contwalk.plugin_check.reachable import check_reachable
 from contwalk.plugin_check.samples import Samples, samples_of
 from contwalk.plugin_check.signals import check_signal
@@ -99,6 +100,9 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
             declarations.check_repeats(report, f"field of mode '{name}'", field, samples, period)
     for name, field in fields.items():
         check_kinks(report, name, field, system, samples)
+        check_parameter_kinks(report, f"field of mode '{name}'", field, samples, name)
+    if period is not None:
+        check_kinks_of_period(report, system, samples)
     distinct, happenings = distinct_transitions(system), list[Happening]()
     for transition in distinct:
         happening = check_transition(report, transition, system, fields, samples, period)
@@ -111,7 +115,10 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
         check_told_kinks(report, happening, system, samples)
         check_jumps_in_time(report, happening, samples, period)
         reset = traced_reset(Report(), happening.transition, system)
+        named, source = f"of transition '{happening.transition.name}'", happening.transition.source
+        check_parameter_kinks(report, f"guard {named}", happening.guard, samples, source)
         if reset is not None:
+            check_parameter_kinks(report, f"reset {named}", reset, samples, source)
             check_keeping(report, happening.transition, happening.guard, reset, field, samples)
     check_reachable(report, system)
     check_twins(report, system, {each.transition.name: each.guard for each in happenings})

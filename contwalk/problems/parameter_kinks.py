@@ -18,7 +18,7 @@ from contwalk.problems.kink import Met, ParameterKink
 from contwalk.problems.kinks import PARTS, Course, differ, directions, jumping, located
 
 # Groups of inputs that no solution of a branch changes: parameters that are fixed, or where a path begins.
-CONSTANT = ("b", "d")
+CONSTANT = ("b", "d", "p")
 
 Name = tuple[str, int]
 
