@@ -10,6 +10,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.errors import NotFinite
 from contwalk.numerics.linear import unit_in
 from contwalk.problems.capabilities import OwnMeasures, OwnMesh
 from contwalk.problems.kink import refuse
@@ -122,7 +123,14 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
     ) -> Sample:
         """Everything that is watched at a solution; of `known`, its sample on other steps, the observables,
         the kinks and the reported state are taken over.
+
+        Raises
+        ------
+        NotFinite
+            If the equations have no value there, as where a step of renewed ones has no solution.
         """
+        if not linearization.finite:
+            raise NotFinite(self.diagnosis.without_value(z) or "The equations have no finite value.", "")
         unit = unit_in(tangent, weights)
         jacobian = linearization.jacobian
         trivial = monodromy.trivial_error(self, z, jacobian)

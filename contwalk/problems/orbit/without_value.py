@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from contwalk import flow
+from contwalk.errors import NO_LINE
+from contwalk.fields.blame import first_switched
 from contwalk.flow.hybrid.blaming import functions_of, line_without_value
+from contwalk.problems.kink import REMEDY
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.passage import Passage
 
@@ -27,6 +31,8 @@ def along(
     functions: Functions | None = None,
 ) -> str:
     """`The NAME: file, line n: what` of the first function without a value on a motion; empty if none.
+
+    Where all have one, and an implicit step on the way has no solution, a sentence that says so.
 
     Parameters
     ----------
@@ -48,7 +54,7 @@ def along(
     for share, x in _places(passage, values, steps, nodes, method):
         if found := at(passage, values, share, x, functions):
             return found
-    return ""
+    return _unsolved(passage, values, steps, nodes, method)
 
 
 def at(passage: Passage, values: np.ndarray, share: float, x: np.ndarray, functions: Functions) -> str:
@@ -59,6 +65,26 @@ def at(passage: Passage, values: np.ndarray, share: float, x: np.ndarray, functi
     t = start + share * lasting if passage.forced else 0.0
     known = passage.parameters(values)
     return line_without_value(passage.system, passage.leg.mode, functions, t, passage.full(x), known).strip()
+
+
+def _unsolved(passage: Passage, values: np.ndarray, steps: np.ndarray, nodes: np.ndarray, method: str) -> str:
+    """That the motion goes on in shorter steps where one of these has failed; empty if none has."""
+    finite = np.isfinite(nodes).all(axis=1)
+    k = int(np.argmin(finite)) - 1
+    if finite.all() or k < 0 or not flow.implicit(method):
+        return ""
+    field, times = passage.field(PLAIN), np.linspace(steps[k], steps[k + 1], PARTS + 1)
+    states = flow.along(field, field.constants(values), times, nodes[k], method)
+    if not np.isfinite(states).all():
+        return ""
+    start, lasting = passage.clock(values)
+    instants = start + times * lasting if passage.forced else np.zeros(len(times))
+    places = [(float(t), passage.full(x).tolist()) for t, x in zip(instants, states, strict=True)]
+    field_of_mode, known = passage.system.mode(passage.leg.mode).field, passage.parameters(values)
+    switched = (first_switched(field_of_mode, *pair, known) for pair in pairwise(places))
+    where = next((found for found in switched if found != NO_LINE), "")
+    said = "An implicit step on the way has no solution, though the motion goes on in shorter ones"
+    return f"{said}: the field is smooth by pieces only within it, {where}. {REMEDY}" if where else f"{said}."
 
 
 def _places(
