@@ -144,9 +144,12 @@ def _period_can_be_traced(report: Report, period: Callable[..., float], names: I
     return True
 
 
-def check_repeats(report: Report, what: str, field: Traced, samples: Samples, period: float) -> None:
+def check_repeats(
+    report: Report, what: str, field: Traced, samples: Samples, period: float, turned: bool = False
+) -> None:
     """Does a function of a forced system, such as its field, repeat after its period?
 
+    A guard that is passed in both directions may be `turned`, with the other sign, as sin(pi t / T) is.
     Asked at the defaults, and again with ones in place of zeros: a force that is off by default would repeat
     after any time.
     """
@@ -164,7 +167,7 @@ def check_repeats(report: Report, what: str, field: Traced, samples: Samples, pe
                 return
         if not (np.isfinite(period) and period > 0.0):
             return
-        sentence = _repeats_not(field, samples, list(values.values()), period)
+        sentence = _repeats_not(field, samples, list(values.values()), period, turned)
         if sentence:
             report.error(what, f"{sentence}, {where}. Correct one of them.", place_of(field.function))
             return
@@ -178,11 +181,13 @@ def _listed(parameters: dict[str, float]) -> str:
     return f"with {', '.join(f'{name} = {value:g}' for name, value in parameters.items())}"
 
 
-def _repeats_not(field: Traced, samples: Samples, values: list[float], period: float) -> str:
+def _repeats_not(field: Traced, samples: Samples, values: list[float], period: float, turned: bool) -> str:
     """What differs a period later, in words; empty where nothing does."""
     for k, x in enumerate(samples.states):
         t = period * (k + 0.37) / len(samples.states)  # anywhere, but at no simple fraction of the period
         now, later = (field.values(time, x, values) for time in (t, t + period))
+        if turned and (now * later < 0.0).all():
+            later = -later
         rounding = field.roundings(t, x, values)
         slope = np.abs(field.slopes(t, x, values)[:, 0])
         # Rounding of the period and of t, times the rate of the forcing.

@@ -56,7 +56,8 @@ def check_transition(
     for what, function in (("guard", guard), ("reset", reset)):
         named = f"{what} of transition '{transition.name}'"
         if function is not None and period is not None:
-            check_repeats(report, named, function, samples, period)
+            turned = what == "guard" and transition.direction == "both"
+            check_repeats(report, named, function, samples, period, turned)
         if function is not None and system.period is None:
             check_timeless(report, named, function)
     check_angles_at_event(report, transition.name, guard, reset, samples)

@@ -31,7 +31,8 @@ def check_events(
             if function is None or not check_never_finite(report, name, function, samples):
                 continue
             if period is not None:
-                check_repeats(report, name, function, samples, period)
+                turned = function is guard and transition.direction == "both"
+                check_repeats(report, name, function, samples, period, turned)
         if guard is not None:
             guards[transition.name] = guard
         apart = not check_states(report, transition, system)

@@ -205,3 +205,38 @@ def test_a_machine_starts_before_the_guards_of_its_first_mode(tmp_path):
     assert v > 0.0
     assert y > 0.1
     assert "# a guess" in text
+
+
+def test_states_that_the_first_mode_lacks_are_not_written(tmp_path):
+    _, text = written(tmp_path, TABLE)
+    assert "start: {simulate: {state: {height: " in text
+    assert "push" not in text.partition("start:")[2].partition("\n")[0]
+    read_run_file(tmp_path / "run.yaml")
+
+
+TABLE = """
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def flying(t, x, p, dx):
+    dx[0], dx[1] = x[1], -1.0
+
+def touching(t, x, p, dx):
+    dx[2] = -p.a * x[2] + 1.0
+
+def lands(t, x, p, x_plus):
+    x_plus[2] = -0.5
+
+def leaves(t, x, p, x_plus):
+    x_plus[0], x_plus[1] = 0.0, 1.0
+
+SYSTEM = System(
+    name="table",
+    states=(State("height"), State("speed"), State("push")),
+    parameters=(Parameter("a", 1.0),),
+    modes=(Mode("flying", flying, states=("height", "speed")), Mode("touching", touching, states=("push",))),
+    transitions=(
+        Transition("lands", "flying", "touching", lambda t, x, p: x[0], reset=lands),
+        Transition("leaves", "touching", "flying", lambda t, x, p: x[2], direction="rising", reset=leaves),
+    ),
+)
+"""

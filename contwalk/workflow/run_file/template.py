@@ -161,9 +161,10 @@ def _start_lines(system: System, values: Mapping[str, float]) -> list[str]:
                 f"# equilibria known by name: {', '.join(names)}; or give the {{state: {{...}}}} itself",
                 f"start: {{equilibrium: {_text(name)}}}",
             ]
-    values = dict(zip(system.state_names, _guess(system), strict=True))
-    state = f"{{{', '.join(f'{name}: {value!r}' for name, value in values.items())}}}"
-    units = ", ".join(f"{state.name} [{_one_line(state.unit)}]" for state in system.states)
+    guess = _guess(system)
+    existing = [(system.states[i], guess[i]) for i in system.states_of(system.modes[0].name)]
+    state = f"{{{', '.join(f'{declared.name}: {value!r}' for declared, value in existing)}}}"
+    units = ", ".join(f"{declared.name} [{_one_line(declared.unit)}]" for declared, _ in existing)
     if system.period is not None or system.transitions:
         return [
             f"# states: {units}",

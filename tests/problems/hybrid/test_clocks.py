@@ -7,6 +7,7 @@ it comes back from the other side.
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,8 +17,10 @@ from scipy.optimize import brentq
 
 from contwalk.branch import Outcome
 from contwalk.continuation.opening import Opening
+from contwalk.errors import SystemDefinitionError
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
+from contwalk.plugin_check.at_load import refuse_unsound
 from contwalk.system import Symmetry, System, Transition
 
 # A walk's solutions are known to a hundred times the accuracy.
@@ -56,6 +59,18 @@ def pests(clock) -> System:
         [Transition("release", "field", "field", guard, direction, reset=released)],
         period=lambda p: p.T,
     )
+
+
+@clocks
+def test_a_clock_is_a_sound_plugin_however_it_is_written(clock):
+    """sin(pi t / T) has the other sign a period later, and is passed in both directions."""
+    refuse_unsound(pests(clock))
+    guard, _ = clock
+    if guard(0.3 * EVERY, None, SimpleNamespace(T=EVERY)) != pytest.approx(
+        guard(1.3 * EVERY, None, SimpleNamespace(T=EVERY))
+    ):
+        with pytest.raises(SystemDefinitionError, match="does not repeat after period"):
+            refuse_unsound(pests((guard, "rising")))
 
 
 @pytest.mark.parametrize("name", ["sine, rising", "both ways", "modulo"])
