@@ -72,6 +72,7 @@ def test_the_grazing_curve_to_the_last_digits() -> None:
 def test_doublings_up_to_the_resonance() -> None:
     curve = followed(branches(0.98)[1], "PD1", (0.95, 1.02), accuracy=1e-11)
     assert_resonant(curve, "GRPD")
+    assert [p.label for p in curve.special_points] == ["EP", "GPD", "GRPD", "EP"]
     first, last = curve.special_points[0], curve.special_points[-1]
     assert first.parameters["omega"] == 0.95
     assert first.parameters["force"] == pytest.approx(0.535598788700668797, rel=1e-9)

@@ -35,7 +35,8 @@ class VanishingCubic(OrbitLocusPoint):
         Of area-preserving maps it is zero all along, and signs of errors tell nothing.
         """
         found, mesh = self._regular(problem, sample.z), problem.mesh
-        return found if abs(found) > max(VANISHES, GLOBAL * mesh.amplified * mesh.tolerance) else 0.0
+        noise = max(VANISHES, GLOBAL * mesh.amplified * mesh.tolerance)
+        return 0.0 if abs(found) <= noise else found  # what is unknown is not zero
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The point of the curve at which it vanishes."""
