@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 from collections.abc import Sequence
@@ -39,13 +40,15 @@ def command(db: str, what: str | None, method: str | None, as_json: bool, trust:
     """
     from contwalk.storage import open_database
 
-    with open_database(db) as database:
-        points = _chosen(database, what or "")
-        system = required_system(database, trust)
-        header = database.header
-    from contwalk.studies.comparison import AGREES, ELSEWHERE
+    # What a plugin prints is no part of the document.
+    with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
+        with open_database(db) as database:
+            points = _chosen(database, what or "")
+            system = required_system(database, trust)
+            header = database.header
+        from contwalk.studies.comparison import AGREES, ELSEWHERE
 
-    found = _compared(system, header, points, method or "", as_json)
+        found = _compared(system, header, points, method or "", as_json)
     if as_json:
         _print_json(db, header, found)
     else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -170,6 +171,13 @@ def refuse_existing(paths: Sequence[Path], force: bool, made: bool = False) -> N
                 raise DatabaseError(f"{path} is a directory.", "Choose another output.")
             if path.exists() and not force:
                 raise DatabaseError(f"{path} exists.", "Replace it with --force, or choose another output.")
+
+
+def check_writable(path: Path) -> None:
+    """Refuse a file in a folder that takes none, before anything is computed; nothing is left behind."""
+    if path.parent.is_dir():
+        with failures_of(path, "create"), tempfile.TemporaryFile(dir=path.parent):
+            pass
 
 
 def check_input(path: Path) -> None:

@@ -44,6 +44,11 @@ from contwalk.workflow.run_file.reading import RunFile
 from contwalk.workflow.sweep_notes import lost_values
 from contwalk.workflow.without_value import notes_of
 
+NO_CURVE = (
+    "There is no curve in two parameters: no special point of the kinds that `loci` asks for was found where "
+    "one can be followed."
+)
+
 
 class Reporter:
     """Told what happens while it happens. Every method does nothing unless overridden."""
@@ -131,6 +136,8 @@ def run(
         if run_file.loci is not None and not result.interrupted:
             recorder.record(_curves(run_file, db, diagram.branches, claims, recorder.note))
         result.branches = db.branches()
+        if run_file.loci is not None and not any(b.info.problem == "locus" for b in result.branches):
+            recorder.note("loci", NO_CURVE)
         lost = lost_values(run_file.sweep, result.branches, run_file.output.name)
         if lost and not result.interrupted:
             recorder.note("sweep", lost)

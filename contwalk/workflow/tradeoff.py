@@ -14,7 +14,7 @@ from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
 from contwalk.storage import open_database
-from contwalk.storage.failures import refuse_existing
+from contwalk.storage.failures import check_writable, failures_of, refuse_existing
 from contwalk.studies.comparison import Comparison
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.pairing import counted, paired, value_of
@@ -286,7 +286,7 @@ def write(run_file: RunFile, found: Tradeoff, figure: bool = True) -> list[Path]
         "missing",
         "extra",
     ]
-    with table.open("w", newline="", encoding="utf-8") as stream:
+    with failures_of(table, "create"), table.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow([*head, *[f"error {name}" for name in names]])
         for t in found.trials:
@@ -308,6 +308,7 @@ def write(run_file: RunFile, found: Tradeoff, figure: bool = True) -> list[Path]
 
 
 def refuse_existing_files(run_file: RunFile, force: bool, figure: bool) -> None:
-    """Refuse to replace results, before anything is computed."""
+    """Refuse to replace results, and a folder that takes none, before anything is computed."""
     table, picture = names_of_files(run_file)
+    check_writable(table)
     refuse_existing([table, picture] if figure else [table], force)

@@ -54,3 +54,9 @@ def test_bad_input(contwalk, following, folder, arguments, said):
     assert done.code == 2
     assert said in done.err
     assert not (folder / "fork_tradeoff.csv").exists()
+
+
+def test_a_folder_that_takes_no_file_is_refused_before_anything_is_computed(contwalk, following):
+    done = contwalk("tradeoff", "run.yaml", "--output", "/proc/x.h5")
+    assert done.code == 2
+    assert "/proc/x_tradeoff.csv cannot be created" in done.err

@@ -191,3 +191,12 @@ def test_a_phase_portrait_of_stored_orbits(contwalk, cycles, folder):
     assert (
         contwalk("plot", "--trust", "--force", cycles, "--kind", "machine", *point, "-o", "p.svg").code == 2
     )
+
+
+def test_what_a_plugin_prints_is_no_part_of_the_document(contwalk, folder):
+    text = (folder / "fork.py").read_text()
+    (folder / "fork.py").write_text("print('hello')\n" + text.replace("dx[1] =", "print(x)\n    dx[1] ="))
+    assert contwalk("continue", "run.yaml").code == 0
+    done = contwalk("verify", "fork.h5", "--trust", "--json")
+    assert json.loads(done.out)["agree"]
+    assert "hello" in done.err

@@ -13,6 +13,8 @@ import pytest
 import contwalk as cw
 from contwalk.errors import ContwalkError
 from contwalk.storage.document import document
+from contwalk.workflow import runner
+from contwalk.workflow.run_file.reading import read_run_file
 
 PLUGIN = '''
 """Bazykin's predator and prey."""
@@ -219,3 +221,18 @@ def test_points_that_no_curve_begins_at(place, point, words) -> None:
     with pytest.raises(ContwalkError, match=words):
         cw.run(run_file)
     assert not (place / "none.h5").exists()
+
+
+def test_a_study_without_the_points_that_are_asked_for_says_that_there_is_no_curve(tmp_path):
+    (tmp_path / "bazykin.py").write_text(PLUGIN)
+    study = ALL.replace("[0.01, 0.9]", "[0.9, 1.0]").replace("x: 2.0, y: 2.0", "x: 50.0, y: 2.0")
+    (tmp_path / "none.yaml").write_text(study.replace("start: {", "parameters: {alpha: 0.95}\nstart: {"))
+    notes = []
+
+    class Told(runner.Reporter):
+        def note(self, text):
+            notes.append(text)
+
+    run_file = read_run_file(tmp_path / "none.yaml", output=str(tmp_path / "none.h5"))
+    runner.run(run_file, figures=False, reporter=Told())
+    assert runner.NO_CURVE in notes
