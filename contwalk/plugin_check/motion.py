@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contwalk.errors import PluginError, StartError
+from contwalk.flow.events.guard import EPSILON
+from contwalk.flow.hybrid.guard_status import ROUNDINGS
+from contwalk.flow.hybrid.machine import ModeFlow
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import (
     HybridMachine,
@@ -59,6 +62,9 @@ class Seen:
     ends : dict
         For each status other than `ok` the sentences of the motions that ended so, each with the transition
         and the mode.
+    carried : dict
+        For each transition that leads back to its mode, and each other one out of it that acts, at how many
+        events the reset carries that one's guard through zero, and how many events there were.
     lost : dict
         For each transition what is said of motions after which no guard can be met; empty of others.
     segments : dict
@@ -72,6 +78,7 @@ class Seen:
     values: dict[str, list[float]] = field(default_factory=dict)
     events: dict[str, list[tuple[float, np.ndarray]]] = field(default_factory=dict)
     ends: dict[str, list[tuple[str, str | None, str]]] = field(default_factory=dict)
+    carried: dict[tuple[str, str], list[int]] = field(default_factory=dict)
     lost: dict[str, list[str]] = field(default_factory=dict)
     segments: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
 
@@ -92,10 +99,33 @@ class Seen:
         flow = machine.mode(segment.mode)
         number = [t.name for t in flow.transitions].index(segment.transition)
         measured = flow.guards[number].along(segment.times, segment.states[:, flow.states], flow.p)
+        rounded = ROUNDINGS * (measured[-1, 2] + abs(measured[-1, 1]) * EPSILON * abs(segment.times[-1]))
+        if abs(measured[-1, 0]) <= rounded:  # as where impacts accumulate, and heights are rounding alone
+            measured[-1, 0] = 0.0
         for found, column in ((self.values, 0), (self.rates, 1)):
             sizes = np.abs(measured[:, column])
             part = sizes[-1] / max(np.nanmax(sizes, initial=0.0), 1e-300)
             found.setdefault(segment.transition, []).append(float(part))
+        self._note_carried(flow, segment)
+
+    def _note_carried(self, flow: ModeFlow, segment: MotionSegment) -> None:
+        """Note guards of other transitions that an event's reset carries through zero in their direction."""
+        happening = next(t for t in flow.transitions if t.name == segment.transition)
+        if happening.target != flow.name or happening.relabel is not None or segment.after is None:
+            return
+        t = float(segment.times[-1])
+        states = np.stack([segment.states[-1], segment.after])[:, flow.states]
+        if not np.isfinite(states).all():
+            return
+        for number, other in enumerate(flow.transitions):
+            guard = flow.guards[number]
+            if other is happening or not flow.acting(number) or other.at_entry:
+                continue
+            (before, _, noise), (after, _, later) = guard.along(np.array([t, t]), states, flow.p).tolist()
+            met = self.carried.setdefault((happening.name, other.name), [0, 0])
+            met[1] += 1
+            way = guard.direction or -np.sign(before)
+            met[0] += way * before < -ROUNDINGS * noise and way * after > ROUNDINGS * later
 
 
 def check_motions(
@@ -174,6 +204,9 @@ def _tell(report: Report, system: System, seen: Seen) -> None:
     for transition in {t.name: t for t in system.acting}.values():
         _tell_of_guard(report, transition, seen)
         _tell_of_what_follows(report, system, transition, seen)
+    for (name, other), (count, events) in seen.carried.items():
+        if count:
+            _tell_of_carried(report, system, name, other, f"{count} of {events}")
     _tell_of_ends(report, system, seen)
     met = {name: len(events) for name, events in seen.events.items()}
     if len(report.findings) > before:
@@ -222,6 +255,18 @@ def _tell_of_what_follows(report: Report, system: System, transition: Transition
         f"After it no transition out of mode '{transition.target}' can happen any more, at the {len(said)} "
         f"states at the event that were tried. {said[0].replace(' at the start', ' there')} Correct the sign "
         "or the direction of that guard, or the reset, or declare level=True where it should happen at once.",
+        place_of(transition.reset or transition.guard),
+    )
+
+
+def _tell_of_carried(report: Report, system: System, name: str, other: str, share: str) -> None:
+    """A reset that takes another guard past zero makes no event of it."""
+    transition = system.transition(name, system.sources(name)[0])
+    report.warning(
+        f"reset of transition '{name}'",
+        f"At {share} of its events in sample motions it carries the guard of '{other}' past zero: that has "
+        "not passed zero, and its event happens only where it has come back. Declare level=True for "
+        f"'{other}' where it should follow at once, as a neuron that a pulse brings beyond its threshold.",
         place_of(transition.reset or transition.guard),
     )
 
