@@ -23,6 +23,7 @@ from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import End, walk
 from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
+from contwalk.continuation.standing_still import with_what_stands_still
 from contwalk.continuation.state import ContinuationState
 from contwalk.problems.problem import Mirror, Problem, Sample
 
@@ -155,9 +156,11 @@ class BranchWalk:
         settings, last = self._plan.settings, place[1].sample
         for event in walk(*place, settings, observer, sign, settings.max_points - spent(work, sign)):
             if isinstance(event, End):
-                work.outcomes.append((sign, event.outcome))
-                work.special_points.append(event.special)
-                yield Found(work.info, None, event.special)
+                outcome = with_what_stands_still(event.outcome, work.rows, sign, problem.line.free)
+                end = replace(event.special, note=outcome.message)
+                work.outcomes.append((sign, outcome))
+                work.special_points.append(end)
+                yield Found(work.info, None, end)
                 continue
             # Before the point itself is: a run that is killed between the two tells it again.
             yield from self._kinks(problem, work, last, event.state.sample)
