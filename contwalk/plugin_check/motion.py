@@ -99,7 +99,8 @@ class Seen:
         flow = machine.mode(segment.mode)
         number = [t.name for t in flow.transitions].index(segment.transition)
         measured = flow.guards[number].along(segment.times, segment.states[:, flow.states], flow.p)
-        rounded = ROUNDINGS * (measured[-1, 2] + abs(measured[-1, 1]) * EPSILON * abs(segment.times[-1]))
+        fast = np.abs(measured[[0, -1], 1]).min()  # at a pole the last one is anything
+        rounded = ROUNDINGS * (measured[-1, 2] + fast * EPSILON * abs(segment.times[-1]))
         if abs(measured[-1, 0]) <= rounded:  # as where impacts accumulate, and heights are rounding alone
             measured[-1, 0] = 0.0
         for found, column in ((self.values, 0), (self.rates, 1)):
