@@ -23,6 +23,7 @@ from loci_of_orbits import (
     orbits,
     turning,
 )
+from small_systems import small_system
 
 import contwalk as cw
 from contwalk.branch import Branch
@@ -56,6 +57,29 @@ class TestSmoothOrbits:
         assert set(curve.points["unstable"]) == {0}  # beside it there is nothing
         facts = curve.info.settings
         assert (curve.info.problem, facts["of"], facts["of_problem"]) == ("locus", "LP", "periodic_orbit")
+
+    def test_folds_that_shrink_to_nothing_end_at_a_generalized_hopf_point(self):
+        """r' = r (mu + a r^2 - r^4): folds at mu = -a^2 / 4 for positive a."""
+
+        def field(t, x, p, dx):
+            s = x[0] ** 2 + x[1] ** 2
+            g, w = p.mu + p.a * s - s * s, 2.0 + 0.3 * s
+            dx[0] = g * x[0] - w * x[1]
+            dx[1] = w * x[0] + g * x[1]
+
+        square = 0.25 + math.sqrt(0.1625)
+        curve = walked(
+            small_system(field, "xy", {"mu": 0.1, "a": 0.5}),
+            "mu",
+            [math.sqrt(square), 0.0],
+            (-0.2, 0.3),
+            "LP1",
+            {"mu": (-0.3, 0.3), "a": (-0.6, 0.7)},
+            2.0 * np.pi / (2.0 + 0.3 * square),
+        )
+        assert (curve.outcome.status, curve.outcome.reason) == ("complete", "shrunk")
+        assert largest(curve["mu"] + curve["a"] ** 2 / 4.0) < WALKED
+        assert 0.0 < curve["a"].min() < 1e-3
 
     def test_both_ends_are_met_exactly(self):
         system = folding()

@@ -11,7 +11,11 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.problems.kink import Kink, Met
 from contwalk.problems.locus.persistence import NOTHING, not_persistent
+from contwalk.problems.orbit.vanishing import shrunk
 from contwalk.problems.sample import Sample
+
+# Cycles this small, against the largest of the curve, have shrunk to nothing.
+NEARLY_SHRUNK = 2e-2
 
 
 class OrbitLocusDiagnosis:
@@ -27,7 +31,26 @@ class OrbitLocusDiagnosis:
         """Branch points that do not persist, and where the orbits end."""
         if self.unfolded(b.z):
             return Outcome("failed", "no_convergence", not_persistent(self._problem, b.z))
-        return self._orbits_end(a, b)
+        return self._orbits_end(a, b) or self._shrinks(a, b)
+
+    def _shrinks(self, a: Sample, b: Sample) -> Outcome | None:
+        """The end of a curve whose cycles shrink to nothing, as folds do at a generalized Hopf point.
+
+        Equilibria solve the equations there too, whatever the period: beyond such sizes Newton's method finds
+        no way between both.
+        """
+        n, orbit = len(self._plane.orbit.system.states), self._plane.orbit
+        if orbit.kind != "periodic_orbit" or orbit.forced or a.magnitudes is None or b.magnitudes is None:
+            return None
+        before, after = a.magnitudes[:n], b.magnitudes[:n]
+        if not (np.all(after < NEARLY_SHRUNK * b.weights[:n]) and np.all(after < before)):
+            return None
+        values = self._plane.values_of(b.z)
+        place = ", ".join(f"{name} = {values[name]:.6g}" for name in self._plane.free)
+        return shrunk(
+            f"The orbit shrinks onto an equilibrium near {place}: a curve of Hopf points has a point there "
+            "at which this curve is born. Nothing to do."
+        )
 
     def unfolded(self, z: np.ndarray) -> bool:
         """Whether a branch point at z, shape (N + k + 2,), would need the equations to be others."""
