@@ -137,6 +137,16 @@ def hopf_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, An
     return {"l1": l1, "omega": omega, "convention": convention}
 
 
+def cubic_rate(plane: Plane, z: np.ndarray, kappa: float) -> float:
+    """Re c1 of w' = i omega w + c1 w |w|^2 at a Hopf point z, shape (N + 2,), with <q, q> = <p, q> = 1.
+
+    kappa is omega squared.
+    """
+    place = FloatPlace(plane, z)
+    q, p, omega = _pair(place, kappa)
+    return 0.5 * float((p @ _cubic(place, q, omega)[0]).real)
+
+
 def bautin_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, Any]:
     """l2 = Re G32 / 12 of w' = i omega w + G21 w |w|^2 / 2 + G32 w |w|^4 / 12, where Re G21 = 0.
 

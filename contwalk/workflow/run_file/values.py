@@ -15,7 +15,23 @@ from contwalk.workflow.run_file.yaml_lines import shown
 FOLLOWED = tuple(label for label in MEANINGS if label not in (END, MARK))
 # Special points that curves are of, and those on curves at which other curves begin.
 CURVES = ("LP", "HB", "BP", "PD", "NS", "GR", "OC", "AZ", "UZ")
-BORN = ("BT", "ZH", "HH", "BP", "R1", "R2", "LPPD", "LPNS", "PDNS", "NSNS", "GRLP", "GRPD", "GRNS", "GRGR")
+BORN = (
+    "BT",
+    "GH",
+    "ZH",
+    "HH",
+    "BP",
+    "R1",
+    "R2",
+    "LPPD",
+    "LPNS",
+    "PDNS",
+    "NSNS",
+    "GRLP",
+    "GRPD",
+    "GRNS",
+    "GRGR",
+)
 DIAGRAM_FIGURES = (
     "bifurcation_diagram",
     "eigenvalues",

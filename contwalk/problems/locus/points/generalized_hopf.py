@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from importlib import import_module
 from typing import Any
 
+from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.bordered import Critical
 from contwalk.problems.locus.normal_forms import bautin_coefficients, lyapunov_numerator
 from contwalk.problems.locus.plane import FloatPlace
 from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 
 class GeneralizedHopf(LocusPoint):
@@ -30,6 +33,12 @@ class GeneralizedHopf(LocusPoint):
         """The generalized Hopf point near a sample."""
         kappa = problem.kappa(sample.z)
         return located_by(problem, problem.augmented, sample, [kappa], lyapunov_numerator, positive=True)
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of folds of cycles that is born there."""
+        births: Any = import_module("contwalk.problems.locus.births")  # compiled flows, where they are wanted
+        found: Sequence[Seed] = births.folds_of_cycles(problem, point)
+        return found
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The second Lyapunov coefficient, whose sign tells the criticality."""
