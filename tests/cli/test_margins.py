@@ -172,21 +172,58 @@ def test_what_is_unstable_is_refused(contwalk, folder):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "key", "said"),
     [
-        ("margins.of.point=b1", "a branch and a point"),
-        ("margins.of.point=b7/0", "b7"),
-        ("margins.of.from=missing.h5", "missing.h5"),
-        ("margins.states=[y]", "not a state of 'oscillator'"),
-        ("margins.instants=0", "a whole number from 1 to 1000"),
-        ("margins.survive={periods: 3}", "which has no period"),
-        ("margins.survive={periods: 3, time: 4}", "both periods and time"),
-        ("margins.accuracy=0", "a positive number"),
-        ("parameters.wall=2", "sets wall to 2"),
+        ("margins.of.point=b1", "of.point", "a branch and a point"),
+        ("margins.of.point=b1/-1", "of.point", "a branch and a point"),
+        ("margins.of.point=b7/0", "of.point", "b7"),
+        ("margins.of.point=b1/99", "of.point", "4 points, numbered from 0"),
+        ("margins.of.point=b1/HB3", "of.point", "no special point 'HB3'"),
+        ("margins.of.from=missing.h5", "of.from", "missing.h5"),
+        ("margins.of.from=oscillator.py", "of.from", "not a contwalk database"),
+        ("margins.of.from=.", "of.from", "a directory"),
+        ("margins.states=[y]", "states", "not a state of 'oscillator'"),
+        ("margins.states=[]", "states", "is empty"),
+        ("margins.instants=0", "instants", "a whole number from 1 to 1000"),
+        ("margins.instants=[0.5, 1.0]", "instants", "has 1."),
+        ("margins.instants=[.nan]", "instants", "not finite"),
+        ("margins.survive={periods: 3}", "survive", "which has no period"),
+        ("margins.survive={periods: 3, time: 4}", "survive", "both periods and time"),
+        ("margins.survive={periods: 0}", "survive.periods", "a positive number"),
+        ("margins.accuracy=0", "accuracy", "from 1e-12 to 0.5"),
+        ("margins.accuracy=2", "accuracy", "from 1e-12 to 0.5"),
+        ("margins.scan=-1", "scan", "a whole number from 0 up"),
+        ("margins.farthest=0", "farthest", "a positive number"),
+        ("margins.tolerance=0", "tolerance", "1e-14"),
+        ("parameters.wall=2", "parameters.wall", "at b1/0 of oscillator.h5 it is 1"),
+        ("parameters.walls=2", "parameters.walls", "not a parameter of 'oscillator'"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_key_and_nothing_is_written(contwalk, oscillator, change, said):
+def test_what_is_wrong_is_told_with_its_key_and_nothing_is_written(contwalk, oscillator, change, key, said):
     done = contwalk("margins", "oscillator.yaml", "--set", change)
     assert done.code == 2
-    assert said in done.err
+    told = " ".join(done.err.split())
+    assert said in told
+    path = key if key.startswith("parameters") else f"margins.{key}"
+    assert f"oscillator.yaml with --set {change}, key {path}:" in told
     assert not list(oscillator.glob("*_margins.*"))
+
+
+def test_what_is_wrong_in_the_file_itself_is_told_with_its_line(contwalk, oscillator):
+    lines = (oscillator / "oscillator.yaml").read_text(encoding="utf-8").splitlines()
+    number = next(k for k, line in enumerate(lines, start=1) if "of: {" in line)
+    done = contwalk("margins", "oscillator.yaml", "--set", "margins.accuracy=0.1", "--output", "other.h5")
+    assert done.code == 0
+    (oscillator / "oscillator.h5").unlink()
+    done = contwalk("margins", "oscillator.yaml")
+    assert done.code == 2
+    assert f"oscillator.yaml, line {number}, key margins.of.from:" in " ".join(done.err.split())
+
+
+def test_a_push_that_is_hardly_forgotten_when_the_motion_survives_is_told(contwalk, oscillator):
+    """exp(-zeta t) is 0.61 after 5 s, and the borders of what is never lost are as far."""
+    done = contwalk("margins", "oscillator.yaml", "--no-figures", "--set", "margins.survive.time=5")
+    assert done.code == 0
+    assert "0.61 is left" in " ".join(done.out.split())
+    done = contwalk("margins", "oscillator.yaml", "--no-figures", "--force")
+    assert "is left" not in done.out

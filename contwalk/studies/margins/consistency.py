@@ -53,7 +53,8 @@ def placed(
     """
     name, state = mode, machine.existing(mode, pushed)
     for _ in range(MOST_CHANGES):
-        following = next(_forced(machine, t, name, state, ends), None)
+        there = unpushed if name == mode else None
+        following = next(_forced(machine, t, name, state, there, ends), None)
         if following is None:
             break
         name, state = following
@@ -64,19 +65,24 @@ def placed(
 
 
 def _forced(
-    machine: HybridMachine, t: float, mode: str, state: np.ndarray, ends: Collection[str]
+    machine: HybridMachine,
+    t: float,
+    mode: str,
+    state: np.ndarray,
+    unpushed: np.ndarray | None,
+    ends: Collection[str],
 ) -> Iterator[tuple[str, np.ndarray]]:
     """What happens at once to a state: first what acts at entry in the mode or one joined to it, then what is
-    soft."""
+    soft. `unpushed` is given in the mode in which the motion is."""
     for joined in _joined(machine.system, mode):
         flow = machine.mode(joined)
         for number, transition in enumerate(flow.transitions):
             acts = transition.level and transition.role == "hard" and transition.name not in ends
-            if acts and _past(flow, number, t, state):
+            if acts and _past(flow, number, t, state, unpushed):
                 yield transition.target, applied(machine, transition, t, state)
     flow = machine.mode(mode)
     for number, transition in enumerate(flow.transitions):
-        if transition.role == "soft" and _past(flow, number, t, state):
+        if transition.role == "soft" and _past(flow, number, t, state, unpushed):
             yield transition.target, applied(machine, transition, t, state)
 
 
@@ -92,11 +98,19 @@ def _joined(system: System, mode: str) -> Iterator[str]:
                 queue.append(transition.target)
 
 
-def _past(flow: ModeFlow, number: int, t: float, state: np.ndarray) -> bool:
-    """Whether a guard is past zero, beyond rounding."""
-    direction = flow.guards[number].direction
-    value, _, noise = flow.guards[number](t, state[flow.states], flow.p).tolist()
-    return bool(direction * value > noise) if direction else False
+def _past(flow: ModeFlow, number: int, t: float, state: np.ndarray, unpushed: np.ndarray | None) -> bool:
+    """Whether a guard is past zero, beyond rounding, and further than on the motion.
+
+    On the motion it is not past zero; right after its own event it may seem to be, by the error of the state.
+    """
+    guard, direction = flow.guards[number], flow.guards[number].direction
+    value, _, noise = guard(t, state[flow.states], flow.p).tolist()
+    if not direction * value > noise:
+        return False
+    if unpushed is None:
+        return True
+    before, _, around = guard(t, unpushed[flow.states], flow.p).tolist()
+    return bool(direction * (value - before) > noise + around)
 
 
 def _forbidden(

@@ -87,7 +87,8 @@ class Survival:
         place = placed(self.machine, instant.time, instant.mode, instant.state, pushed, {self._falling})
         if place.beyond:
             return BEYOND
-        last = instant.last if instant.last and not push.any() else None
+        # Where the mode stays the event has just happened, so that its guard is not asked again.
+        last = instant.last if instant.last and place.mode == instant.mode else None
         try:
             with np.errstate(all="ignore"):
                 return self._moved(Standpoint(instant.time, place.mode, place.state, last))

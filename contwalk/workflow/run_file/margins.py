@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from contwalk.errors import RunFileError
 from contwalk.workflow.run_file.checked_file import CheckedFile
 from contwalk.workflow.run_file.motions import Margins
 from contwalk.workflow.run_file.problems import allowed
 from contwalk.workflow.run_file.reading import opened
 from contwalk.workflow.run_file.starts import POINT
 from contwalk.workflow.run_file.text import text_of_file
+from contwalk.workflow.run_file.yaml_lines import Document, Key
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -26,12 +28,19 @@ class MarginsFile(CheckedFile):
         Where the point is.
     margins : Margins
         The section itself.
+    document : Document
+        Where each key stands.
     """
 
     model: dict[str, object]
     parameters: dict[str, float]
     database: Path
     margins: Margins
+    document: Document
+
+    def refusal(self, key: Key, sentence: str, remedy: str) -> RunFileError:
+        """What is wrong with a key, and turns out when what it names is looked at."""
+        return RunFileError(f"{self.document.where(key)}: {sentence}", remedy)
 
 
 def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | None = None) -> MarginsFile:
@@ -58,6 +67,8 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
             f"is '{wanted.of.point}'.",
             "Allowed: a branch and a point, b1/UZ1 or b1/12.",
         )
+    if not wanted.states:
+        problems.add(("margins", "states"), "is empty.", allowed(("all", *system.state_names)))
     for name in () if wanted.states == ("all",) else wanted.states:
         if name not in system.state_names:
             problems.add(
@@ -86,4 +97,5 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
         database=Path(path).parent / wanted.of.from_,
         margins=wanted,
         output=Path(output or model.output or f"{Path(path).stem}.h5"),
+        document=problems.document,
     )

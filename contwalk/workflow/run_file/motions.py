@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, PlainValidator
 from contwalk.workflow.run_file.products import FORM, Product, as_products, product
 from contwalk.workflow.run_file.section import Section
 from contwalk.workflow.run_file.values import (
+    BorderAccuracy,
     FileName,
     Instants,
     Positive,
@@ -105,8 +106,8 @@ class Margins(Section):
         default=("all",), description="all, or a list of states"
     )
     survive: Survive = Field(default=Survive(), description="{periods: 20}")
-    accuracy: Positive = Field(
-        default=0.01, le=0.5, description="a number up to 0.5: relative width of what a border lies in"
+    accuracy: BorderAccuracy = Field(
+        default=0.01, description="a number from 1e-12 to 0.5: relative width of what a border lies in"
     )
     scan: int = Field(
         default=4,

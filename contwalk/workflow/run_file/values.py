@@ -47,6 +47,7 @@ MOTION_FIGURES = ("time_series", "phase_portrait")
 SAMPLE_FIGURES = ("histogram",)
 # each command draws its own
 FIGURES = tuple(dict.fromkeys((*DIAGRAM_FIGURES, *MOTION_FIGURES, *SAMPLE_FIGURES)))
+LEAST_BORDER_ACCURACY, MOST_BORDER_ACCURACY = 1e-12, 0.5
 MOST_INSTANTS = 1000
 LOWEST_ACCURACY = 1e-14  # below it, rounding in double precision decides, not the method
 
@@ -184,14 +185,25 @@ def list_or_span(value: Any) -> str:
     return "(span)" if isinstance(value, dict | BaseModel) else "(list)"
 
 
+def _border_accuracy(value: Any) -> float:
+    found = number(value)
+    if not LEAST_BORDER_ACCURACY <= found <= MOST_BORDER_ACCURACY:
+        raise wrong(f"is {shown(value)}.", "Allowed: a number from 1e-12 to 0.5.")
+    return found
+
+
 def _instants(value: Any) -> int | tuple[float, ...]:
     """A number of them, or the parts of the closure."""
     if isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= MOST_INSTANTS:
         return value
     if isinstance(value, list) and value:
         found = tuple(number(each) for each in value)
-        if all(0.0 <= each < 1.0 for each in found):
-            return found
+        outside = [each for each in found if not 0.0 <= each < 1.0]
+        if outside:
+            raise wrong(
+                f"has {outside[0]:.12g}.", "Allowed: numbers from 0 to below 1, parts of the closure."
+            )
+        return found
     raise wrong(
         f"is {shown(value)}.",
         "Allowed: a whole number from 1 to 1000, or a list of numbers from 0 to below 1.",
@@ -200,6 +212,7 @@ def _instants(value: Any) -> int | tuple[float, ...]:
 
 Number = Annotated[float, PlainValidator(number)]
 Positive = Annotated[float, PlainValidator(_within(0.0, math.inf, "a positive number"))]
+BorderAccuracy = Annotated[float, PlainValidator(_border_accuracy)]
 Angle = Annotated[float, PlainValidator(_within(0.0, 90.0, "degrees above 0, up to 90"))]
 Accuracy = Annotated[float, PlainValidator(_accuracy)]
 Tolerance = Annotated[float, PlainValidator(_tolerance)]
