@@ -40,10 +40,10 @@ def study_of(run: MarginsFile) -> tuple[Study, list[str]]:
         if isinstance(wanted.instants, int)
         else wanted.instants
     )
-    with _told_at(run, "of", "from"):
+    with _located(run, "of", "from"):
         database = open_database(run.database)
     with database as db:
-        with _told_at(run, "of", "point"):
+        with _located(run, "of", "point"):
             branch = branch_of(db, run.database, wanted.of.point, system)
             point = place_of(branch, run.database, wanted.of.point)
             _check_stable(branch, point, wanted.of.point)
@@ -53,7 +53,7 @@ def study_of(run: MarginsFile) -> tuple[Study, list[str]]:
             if not isinstance(wanted.instants, int):
                 notes.append("An equilibrium is the same at all instants; it is pushed once.")
             fractions = (0.0,)
-        with _told_at(run, "of", "point"):
+        with _located(run, "of", "point"):
             solution = solution_at(system, branch, point, fractions)
     for name, value in run.parameters.items():
         if solution.parameters[name] != value:
@@ -96,7 +96,7 @@ def _check_stable(branch: Branch, point: SpecialPoint | int, name: str) -> None:
 
 
 @contextmanager
-def _told_at(run: MarginsFile, *key: str) -> Iterator[None]:
+def _located(run: MarginsFile, *key: str) -> Iterator[None]:
     """What is wrong with what a key of the section names is told with the file, the line and the key."""
     try:
         yield

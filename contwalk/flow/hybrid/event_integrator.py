@@ -82,8 +82,9 @@ class EventIntegrator:
     marks : bool
         Whether the states at the steps of a segment are kept, and steps marked in which watched guards may
         pass zero.
-    ends : collection of str
-        Transitions that end the motion before their reset, whatever they lead to.
+    applied : collection of (str, str), optional
+        Names and sources of the transitions whose resets are known; others end the motion before theirs. All
+        that lead into one of the modes by default.
     paced : bool
         Whether it is unsure after an event whose guard returns to zero before it can be seen to leave it:
         events may accumulate there.
@@ -99,14 +100,15 @@ class EventIntegrator:
         room: int = ROOM,
         marks: bool = False,
         *,
-        ends: Collection[str] = (),
+        applied: Collection[tuple[str, str]] | None = None,
         paced: bool = False,
     ) -> None:
         # Not the machine itself: machines keep their integrators.
         self._system, self.columns, self._marks = machine.system, columns, marks
-        self._ends, self._paced = frozenset(ends), int(paced)
+        self._applied, self._paced = applied, int(paced)
         self.modes = list(modes)
         self.transitions = [each for mode in modes for each in machine.system.leaving(mode)]
+        self._numbered = {(each.name, each.source): k for k, each in enumerate(self.transitions)}
         self._kept: list[np.ndarray] = []
         self.clock, self.happened = np.zeros(1), Happened()
         self.itinerary = np.zeros(events, dtype=np.int64)
@@ -206,10 +208,12 @@ class EventIntegrator:
 
     def _number(self, transition: Transition) -> int:
         """Of a transition that acts; -1 for one that is watched."""
-        return -1 if transition.role == "watched" else self.transitions.index(transition)
+        return -1 if transition.role == "watched" else self._numbered[transition.name, transition.source]
 
     def _transition(self, machine: HybridMachine, transition: Transition) -> TransitionRecord:
-        known = transition.target in self.modes and transition.name not in self._ends
+        known = transition.target in self.modes
+        if self._applied is not None:
+            known = known and (transition.name, transition.source) in self._applied
         if transition.role == "watched" or not known:
             return TransitionRecord(target=-1)
         jump, c = machine.jump(transition)
@@ -259,7 +263,7 @@ class EventIntegrator:
         self.happened.mode = self.modes.index(mode)
         self.happened.own = 0 if last is None else self._own(last, mode)
         self.happened.passed = 0 if last is None else self._passed(last, mode)
-        self.happened.first_of_all = -1 if first is None else self.transitions.index(first)
+        self.happened.first_of_all = -1 if first is None else self._number(first)
 
     def _numbers(self, flow: ModeFlow) -> list[int]:
         """Which of a mode's guards the integrator looks at."""

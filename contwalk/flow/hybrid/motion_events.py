@@ -18,7 +18,10 @@ from contwalk.flow.hybrid.event_integrator import METHOD, EventIntegrator
 from contwalk.flow.hybrid.machine import HybridMachine, landed
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import parts
+from contwalk.system import Transition
 
+# Modes and resets that the integrator does not know, after which it is made anew.
+MOST_MISSED = 4
 ROOM = 1000  # steps of a segment, after which compiled code comes back and goes on
 MOST_STEPS = 1_000_000  # of a motion
 ON_ITS_WAY, TIME_UP, TOO_MANY = "on_its_way", "time_up", "too_many_steps"
@@ -72,7 +75,9 @@ class MotionEvents:
         self._most_steps = most_steps
         # Jumps at instants of time are met segment by segment.
         self._compiles = control.method == METHOD and not machine.guards_jump_in_time
-        self._modes: list[str] = []
+        self._modes: dict[str, None] = {}  # in the order in which motions have come to them
+        self._applied: set[tuple[str, str]] = set()
+        self._missed = 0
         self._integrator: EventIntegrator | None = None
         self.status, self.steps = ON_ITS_WAY, 0
 
@@ -81,25 +86,42 @@ class MotionEvents:
         self.at, self.status, self.steps = begin, ON_ITS_WAY, 0
         self._now: list[tuple[str, str]] = []
         while self.status == ON_ITS_WAY:
-            if self._compiles:
-                yield from self._compiled(t1)
+            integrator = self._knowing(self.at.mode) if self._compiles else None
+            if integrator is not None:
+                yield from self._compiled(integrator, t1)
             if self.status == ON_ITS_WAY:
                 yield from self._step_by_step(t1)
 
     # -- by compiled code ----------------------------------------------------------------------------------
 
-    def _knowing(self, mode: str) -> EventIntegrator:
-        """The integrator, which learns the modes of the machine as motions come to them."""
-        if self._integrator is None or mode not in self._modes:
-            self._modes.append(mode)
+    def _knowing(self, mode: str) -> EventIntegrator | None:
+        """The integrator if it knows a mode: it learns what motions come to, some modes and resets at a
+        time."""
+        if mode not in self._modes:
+            self._modes[mode] = None
+            self._missed += 1
+        if self._integrator is None or self._missed >= MOST_MISSED:
+            self._missed = 0
             self._integrator = EventIntegrator(
-                self._machine, self._control.weights, self._modes, room=ROOM, ends=self._ends, paced=True
+                self._machine,
+                self._control.weights,
+                list(self._modes),
+                room=ROOM,
+                applied=frozenset(self._applied),
+                paced=True,
             )
-        return self._integrator
+        return self._integrator if mode in self._integrator.places else None
 
-    def _compiled(self, t1: float) -> Iterator[tuple[str, float]]:
-        """Events as long as compiled code is sure; `at` is where it no longer is."""
-        integrator = self._begun()
+    def _learn(self, transition: Transition) -> None:
+        """Remember a transition that the integrator may not know."""
+        key = transition.name, transition.source
+        if key not in self._applied:
+            self._applied.add(key)
+            self._missed += 1
+
+    def _compiled(self, integrator: EventIntegrator, t1: float) -> Iterator[tuple[str, float]]:
+        """Events as long as compiled code is sure and knows them; `at` is where it no longer is."""
+        self._begin(integrator)
         while True:
             answer = integrator(t1, self._control.tolerance)
             happened = integrator.happened
@@ -132,12 +154,16 @@ class MotionEvents:
             after, noise = landed(self._machine, transition, t, before)
             self.at = Standpoint(t, transition.target, after, name, noise)
             yield name, t
-            integrator = self._begun()
+            self._learn(transition)
+            known = self._knowing(transition.target)
+            if known is None:
+                return
+            integrator = known
+            self._begin(integrator)
 
-    def _begun(self) -> EventIntegrator:
-        at, integrator = self.at, self._knowing(self.at.mode)
+    def _begin(self, integrator: EventIntegrator) -> None:
+        at = self.at
         integrator.begin(at.time, at.state, at.mode, at.last, noise=at.noise)
-        return integrator
 
     def _state(self, integrator: EventIntegrator, mode: str) -> np.ndarray:
         """The integrator's state in a mode, of full length."""
@@ -178,6 +204,7 @@ class MotionEvents:
             noise = landed(self._machine, transition, t, before)[1]
             self.at = Standpoint(t, transition.target, part.after, part.transition, noise)
             yield part.transition, t
+            self._learn(transition)
             if len(part.times) > 1 and self._compiles:
                 return
         self.status = TIME_UP
