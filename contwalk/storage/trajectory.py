@@ -106,7 +106,8 @@ class Margins:
         Names of all states.
     rows : tuple of mapping
         One for each state and sign at each instant: `number`, `instant`, `fraction`, `state`, `sign`,
-        `border` (None where none was met), `several`, `borders`, `ends`, `simulations`.
+        `vector` (the push of size 1), `border` (None where none was met), `several`, `borders`, `ends`,
+        `simulations`.
     instants : tuple of mapping
         `fraction` of the closure, `time`, `mode` and `state`, a list of n numbers.
     header : mapping
@@ -205,6 +206,7 @@ def write_margins(path: Path, margins: Margins) -> Path:
     def fill(file: h5py.File) -> None:
         for name in ("instant", "sign", "simulations", "several"):
             file[name] = np.array([row[name] for row in rows])
+        file["vector"] = np.array([row["vector"] for row in rows], dtype=float)
         file["border"] = np.array([np.nan if row["border"] is None else row["border"] for row in rows])
         for name in ("state", "ends"):
             file[name] = np.array([row[name] for row in rows], dtype=text)
@@ -234,6 +236,8 @@ def read_margins(path: str | Path) -> Margins:
         modes, states = instants["mode"].asstr()[()].tolist(), instants["state"][()].tolist()
         columns = {name: file[name][()].tolist() for name in ("instant", "sign", "simulations", "several")}
         columns |= {name: file[name].asstr()[()].tolist() for name in ("state", "ends")}
+        if "vector" in file:  # older files have only pushes of one state
+            columns["vector"] = file["vector"][()].tolist()
         columns["border"] = [None if np.isnan(value) else value for value in file["border"][()].tolist()]
         rows = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
         return Margins(

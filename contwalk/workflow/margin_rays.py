@@ -24,12 +24,27 @@ BEGIN = 0.05
 
 @dataclass(frozen=True)
 class Ray:
-    """A state pushed one way at an instant, all given by number and name; `sign` is +1 or -1."""
+    """A push one way at an instant.
+
+    Parameters
+    ----------
+    number, instant : int
+    state : str
+        The one that is pushed, or the name of a direction.
+    sign : int
+        +1 or -1.
+    vector : tuple of float
+        The push of size 1, for all n states.
+    unit : float
+        The size at which a state is pushed by its own magnitude, and none by more.
+    """
 
     number: int
     instant: int
     state: str
     sign: int
+    vector: tuple[float, ...]
+    unit: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,18 +100,15 @@ def row_of(task: tuple[Study, Ray]) -> dict[str, Any]:
     with one_thread():
         survival = survival_of(study)
         instant = study.solution.instants[ray.instant]
-        place = survival.system.state_names.index(ray.state)
-        magnitude = float(study.solution.magnitudes[place])
+        along = ray.sign * np.array(ray.vector)
         verdicts: dict[float, str] = {}
 
         def survives(size: float) -> bool:
-            push = np.zeros(len(survival.system.states))
-            push[place] = ray.sign * size
-            verdicts[size] = survival.verdict(instant, push)
+            verdicts[size] = survival.verdict(instant, size * along)
             return verdicts[size] == SURVIVED
 
-        farthest = study.farthest * magnitude
-        found = borders_on(survives, BEGIN * magnitude, farthest, study.accuracy, study.scan)
+        farthest = study.farthest * ray.unit
+        found = borders_on(survives, BEGIN * ray.unit, farthest, study.accuracy, study.scan)
     first = found.borders[0] if found.borders else None
     lost = [size for size, ended in verdicts.items() if ended != SURVIVED and (first is None or size > first)]
     return {
@@ -105,6 +117,7 @@ def row_of(task: tuple[Study, Ray]) -> dict[str, Any]:
         "fraction": instant.fraction,
         "state": ray.state,
         "sign": ray.sign,
+        "vector": list(ray.vector),
         "border": first,
         "several": found.several,
         "borders": list(found.borders),

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.errors import ContwalkError, StartError
+from contwalk.studies.margins.directions import (
+    drawn_directions,
+    existing,
+    given_direction,
+    state_direction,
+    unit_of,
+)
+from contwalk.studies.margins.modes import ModeDirections, mode_directions
 from contwalk.studies.margins.solution import Solution, solution_at
 from contwalk.studies.margins.survival import MEANINGS, SURVIVED, Rule
 from contwalk.workflow.margin_rays import Ray, Study, survival_of
@@ -25,8 +33,8 @@ FORGOTTEN = 0.5
 CHANGED = "The system's files have changed since the database was computed."
 
 
-def study_of(run: MarginsFile) -> tuple[Study, list[str]]:
-    """The study, and what is to be said of it.
+def study_of(run: MarginsFile) -> tuple[Study, list[ModeDirections], list[str]]:
+    """The study, the directions of modes that are asked for, and what is to be said of it.
 
     Raises
     ------
@@ -55,6 +63,10 @@ def study_of(run: MarginsFile) -> tuple[Study, list[str]]:
             fractions = (0.0,)
         with _located(run, "of", "point"):
             solution = solution_at(system, branch, point, fractions)
+        modes = []
+        if wanted.modes:
+            with _located(run, "modes"):
+                modes = mode_directions(system, branch, point, solution, wanted.modes)
     for name, value in run.parameters.items():
         if solution.parameters[name] != value:
             raise run.refusal(
@@ -77,6 +89,7 @@ def study_of(run: MarginsFile) -> tuple[Study, list[str]]:
             scan=wanted.scan,
             farthest=wanted.farthest,
         ),
+        modes,
         notes,
     )
 
@@ -145,28 +158,40 @@ def _rule(run: MarginsFile, solution: Solution) -> Rule:
     return Rule(float(duration), sequence, returns, tolerance, wanted.method)
 
 
-def rays_of(run: MarginsFile, solution: Solution) -> tuple[list[Ray], list[str]]:
+def rays_of(
+    run: MarginsFile, study: Study, modes: Sequence[ModeDirections] = ()
+) -> tuple[list[Ray], list[str]]:
     """The rays in their order, and which states are left out, and why."""
-    names, wanted = run.system.state_names, run.margins.states
-    chosen = [name for name in names if wanted == ("all",) or name in wanted]
+    solution, names, wanted = study.solution, run.system.state_names, run.margins
+    others = bool(wanted.directions or wanted.modes or wanted.random)
+    pushed = () if others and "states" not in wanted.model_fields_set else wanted.states
+    chosen = [name for name in names if pushed == ("all",) or name in pushed]
     notes = []
     neutral = [name for name in chosen if name in solution.neutral]
     if neutral:
         notes.append(f"Left out as neutral, so that no push along them is lost: {', '.join(neutral)}.")
     rays: list[Ray] = []
     for number, instant in enumerate(solution.instants):
-        there = [name for name in chosen if name not in neutral and names.index(name) in instant.exists]
         absent = [name for name in chosen if names.index(name) not in instant.exists]
         if absent:
             notes.append(
                 f"Left out at instant {number}, as they do not exist in mode '{instant.mode}': "
                 f"{', '.join(absent)}."
             )
-        rays += [
-            Ray(len(rays) + 2 * k + j, number, name, s)
-            for k, name in enumerate(there)
-            for j, s in enumerate((1, -1))
-        ]
+        left_out = {*neutral, *absent}
+        along = {name: state_direction(names, name) for name in chosen if name not in left_out}
+        along |= {name: given_direction(names, shares) for name, shares in wanted.directions.items()}
+        along |= {mode.name: mode.vectors[number] for mode in modes}
+        if wanted.random is not None:
+            along |= drawn_directions(wanted.random.count, wanted.random.seed, solution, names, instant)
+        for name, vector in along.items():
+            there = existing(vector, instant)
+            unit = unit_of(there, solution.magnitudes)
+            if unit is None:
+                notes.append(f"Left out at instant {number}, as it pushes no state that exists: {name}.")
+                continue
+            push = tuple(there.tolist())
+            rays += [Ray(len(rays) + k, number, name, sign, push, unit) for k, sign in enumerate((1, -1))]
     if not rays:
         raise ContwalkError("No state is left to be pushed.", " ".join(notes))
     return rays, notes

@@ -82,11 +82,15 @@ def margins(
     journal = run.file("margins.journal")
     refuse_existing([database, table, *([picture] if figures else [])], force)
     _check_journal(journal, resume or force)
-    study, notes = study_of(run)
-    rays, left_out = rays_of(run, study.solution)
+    study, modes, notes = study_of(run)
+    rays, left_out = rays_of(run, study, modes)
     notes += left_out
     check_unpushed(study)
-    with Journal(journal, {"study": study.key, "rays": [asdict(ray) for ray in rays]}, resume) as kept:
+    with Journal(
+        journal,
+        {"study": study.key, "rays": [{**asdict(ray), "vector": list(ray.vector)} for ray in rays]},
+        resume,
+    ) as kept:
         rows = list(kept.kept)
         rest = [(study, ray) for ray in rays[len(rows) :]]
         for row in in_order(row_of, rest, jobs, executor):

@@ -118,6 +118,39 @@ def test_the_machine_is_made_once(contwalk, oscillator, monkeypatch):
     assert len(made) == 1
 
 
+def test_given_and_drawn_directions_of_a_linear_oscillator(contwalk, oscillator):
+    """A push along d is lost where the largest x that follows from it passes the wall."""
+    changes = ("directions={slanting: {x: 2.0, v: -1.0}}", "random={count: 3, seed: 7}", "modes=1")
+    sets = [word for change in changes for word in ("--set", f"margins.{change}")]
+    assert contwalk("margins", "oscillator.yaml", "--no-figures", *sets).code == 0
+    found = read_margins("oscillator_margins.h5")
+    assert [r["state"] for r in found.rows[::2]] == [
+        "slanting", "mode1_re", "mode1_im", "random1", "random2", "random3",
+    ]  # fmt: skip
+    zeta = 0.1
+    omega = math.sqrt(1.0 - zeta**2)
+    times = np.linspace(0.0, 2.5 * math.pi, 200001)
+
+    def reach(vector):
+        x, v = vector
+        swing = x * np.cos(omega * times) + (v + zeta * x) / omega * np.sin(omega * times)
+        return float(np.max(np.exp(-zeta * times) * swing))
+
+    for row in found.rows:
+        exact = 1.0 / reach(row["sign"] * np.array(row["vector"]))
+        assert row["border"] == pytest.approx(exact, rel=1e-6)
+    # The eigenvectors of the matrix [[0, 1], [-1, -2 zeta]] are (1, lambda).
+    real, imaginary = (np.array(found.rows[k]["vector"]) for k in (2, 4))
+    turned = np.linalg.lstsq(np.stack([real, imaginary], 1), [[1.0, -zeta], [0.0, omega]], rcond=None)
+    assert turned[2] == 2
+    assert np.abs(found.rows[6]["vector"]).max() <= 1.0
+    again = contwalk(
+        "margins", "oscillator.yaml", "--no-figures", "--force", "--set", "margins.random={count: 1, seed: 7}"
+    )
+    assert again.code == 0
+    assert read_margins("oscillator_margins.h5").rows[0]["border"] == found.rows[6]["border"]
+
+
 def test_two_processes_and_a_run_that_was_killed_leave_the_same_bytes(contwalk, oscillator):
     contwalk("margins", "oscillator.yaml", "--no-figures")
     files = [oscillator / f"oscillator_margins.{suffix}" for suffix in ("h5", "csv")]
@@ -192,6 +225,11 @@ def test_what_is_unstable_is_refused(contwalk, folder):
         ("margins.survive={periods: 0}", "survive.periods", "a positive number"),
         ("margins.accuracy=0", "accuracy", "from 1e-12 to 0.5"),
         ("margins.accuracy=2", "accuracy", "from 1e-12 to 0.5"),
+        ("margins.directions={x: {v: 1}}", "directions.x", "the name of a state"),
+        ("margins.directions={out: {y: 1}}", "directions.out.y", "not a state of 'oscillator'"),
+        ("margins.directions={out: {x: 0}}", "directions.out", "pushes nothing"),
+        ("margins.random={count: 0}", "random.count", "from 1 to 100000"),
+        ("margins.modes=3", "modes", "there are 2 eigenvalues"),
         ("margins.scan=-1", "scan", "a whole number from 0 up"),
         ("margins.farthest=0", "farthest", "a positive number"),
         ("margins.tolerance=0", "tolerance", "1e-14"),

@@ -40,6 +40,8 @@ class Instant:
         Those that do.
     last : str
         The transition that has led to this very state; empty between two.
+    leg, share : int, float
+        The leg of the closure that it is on, and where on it, 0 to 1.
     """
 
     fraction: float
@@ -48,6 +50,8 @@ class Instant:
     state: np.ndarray
     exists: tuple[int, ...]
     last: str = ""
+    leg: int = 0
+    share: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +144,8 @@ def _smooth(
         share = (begin + fraction) % 1.0
         state = np.array(curve.at(np.array([share]))[0])
         # A forced orbit is looked at from where its force begins.
-        instants.append(Instant(fraction, share * duration, mode, state, system.states_of(mode)))
+        exists = system.states_of(mode)
+        instants.append(Instant(fraction, share * duration, mode, state, exists, share=share))
     return _solution(system, values, period, instants, (), states, problem)
 
 
@@ -218,7 +223,7 @@ def _on(stretches: Sequence[Any], legs: Sequence[Any], time: float, fraction: fl
     times, states = stretch.at(np.array([share]))
     state = np.where(np.isin(np.arange(states.shape[1]), stretch.exists), states[0], 0.0)
     last = legs[number - 1].name if share == 0.0 else ""
-    return Instant(fraction, float(times[0]), legs[number].mode, state, stretch.exists, last)
+    return Instant(fraction, float(times[0]), legs[number].mode, state, stretch.exists, last, number, share)
 
 
 def _grouped(events: Sequence[tuple[str, float]], period: float) -> tuple[tuple[str, ...], ...]:

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from contwalk.errors import RunFileError
+from contwalk.system import System
 from contwalk.workflow.run_file.checked_file import CheckedFile
 from contwalk.workflow.run_file.motions import Margins
-from contwalk.workflow.run_file.problems import allowed
+from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.reading import opened
 from contwalk.workflow.run_file.starts import POINT
 from contwalk.workflow.run_file.text import text_of_file
 from contwalk.workflow.run_file.yaml_lines import Document, Key
+
+# Names of directions that are not given.
+_DRAWN = re.compile(r"(mode|random)\d+(_re|_im)?")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -76,6 +81,8 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
                 f"'{name}' is not a state of '{system.name}'.",
                 allowed(system.state_names, name),
             )
+    for name, shares in wanted.directions.items():
+        _check_direction(problems, system, name, shares)
     if wanted.survive.periods is not None and wanted.survive.time is not None:
         problems.add(("margins", "survive"), "gives both periods and time.", "Give one of them.")
     for name in model.parameters:
@@ -99,3 +106,22 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
         output=Path(output or model.output or f"{Path(path).stem}.h5"),
         document=problems.document,
     )
+
+
+def _check_direction(problems: Problems, system: System, name: str, shares: Mapping[str, float]) -> None:
+    key = "margins", "directions", name
+    taken = name in system.state_names or _DRAWN.fullmatch(name) is not None
+    if taken or not name.isidentifier():
+        what = (
+            "is the name of a state, or one that modes and drawn directions have" if taken else "is no name"
+        )
+        problems.add(key, f"{what}.", "Give the direction another name, of letters, digits and _.")
+    for state in shares:
+        if state not in system.state_names:
+            problems.add(
+                (*key, state),
+                f"'{state}' is not a state of '{system.name}'.",
+                allowed(system.state_names, state),
+            )
+    if not any(shares.values()):
+        problems.add(key, "pushes nothing.", "Give the share of at least one state: {x: 1.0, v: -0.5}.")

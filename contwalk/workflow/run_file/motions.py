@@ -95,6 +95,13 @@ class Survive(Section):
     )
 
 
+class RandomDirections(Section):
+    """Directions that are drawn."""
+
+    count: int = Field(ge=1, le=100_000, description="a whole number from 1 to 100000")
+    seed: int = Field(default=1, ge=0, description="a whole number from 0 up")
+
+
 class Margins(Section):
     """`contwalk margins`: how far a motion may be pushed."""
 
@@ -105,6 +112,11 @@ class Margins(Section):
     states: Annotated[Texts, BeforeValidator(as_tuple)] = Field(
         default=("all",), description="all, or a list of states"
     )
+    directions: dict[str, Values] = Field(
+        default={}, description="{name: {state: its share in a push of size 1, ...}, ...}"
+    )
+    modes: int = Field(default=0, ge=0, le=1000, description="a whole number from 0 up")
+    random: RandomDirections | None = Field(default=None, description="{count: 20, seed: 1}")
     survive: Survive = Field(default=Survive(), description="{periods: 20}")
     accuracy: BorderAccuracy = Field(
         default=0.01, description="a number from 1e-12 to 0.5: relative width of what a border lies in"
