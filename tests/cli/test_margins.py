@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -188,6 +190,30 @@ def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch):
     monkeypatch.setattr(module, "row_of", counted)
     assert contwalk("margins", "oscillator.yaml", "--no-figures", "--resume").code == 0
     assert file.read_bytes() == whole
+
+
+@pytest.mark.parametrize("kept", [0, 3])
+def test_a_study_that_was_killed_while_it_wrote_a_row_goes_on(contwalk, oscillator, kept):
+    """What the kill leaves: the rows before, and a part of the one that was being written."""
+    contwalk("margins", "oscillator.yaml", "--no-figures")
+    files = [oscillator / f"oscillator_margins.{suffix}" for suffix in ("h5", "csv")]
+    whole, journal = [file.read_bytes() for file in files], oscillator / "oscillator_margins.journal"
+    for file in files:
+        file.unlink()
+    ending = (
+        "import os, sys; from contwalk.storage.journal import Journal; add = Journal.add; left = [int(sys.argv[1])]\n"
+        "def adds(self, row):\n"
+        "    if left[0] < 0: self._file.write(b'00000000 {'); self._file.flush(); os.kill(os.getpid(), 9)\n"
+        "    left[0] -= 1; add(self, row)\n"
+        "Journal.add = adds\n"
+        "from contwalk.cli.entry import run; run(('margins', 'oscillator.yaml', '--no-figures'))"
+    )
+    killed = subprocess.run([sys.executable, "-c", ending, str(kept)], cwd=oscillator, check=False)
+    assert killed.returncode == -9
+    assert len(journal.read_bytes().splitlines()) == kept + 2
+    assert contwalk("margins", "oscillator.yaml", "--no-figures", "--resume").code == 0
+    assert [file.read_bytes() for file in files] == whole
+    assert not journal.exists()
 
 
 def test_what_is_unstable_is_refused(contwalk, folder):
