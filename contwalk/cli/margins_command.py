@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
+    from contwalk.workflow.basin import BasinResult
     from contwalk.workflow.margins import MarginsResult
     from contwalk.workflow.run_file.margins import MarginsFile
 
@@ -71,12 +72,34 @@ def _print(out: Console, run: MarginsFile, result: MarginsResult) -> None:
     from contwalk.cli.terminal import line, table
 
     line(out, f"{run.system.name}, {run.margins.of.point} of {run.database}", style="bold")
+    if result.basin is not None:
+        _print_basin(out, result.basin)
+    if not result.rows:
+        _print_rest(out, result)
+        return
     heads = ["instant", "state", "down", "up", "beyond, down", "beyond, up"]
     shown = []
     for up, down in zip(result.rows[::2], result.rows[1::2], strict=True):
         cells = [f"{'several: ' if r['several'] else ''}{_size(r)}" for r in (down, up)]
         shown.append([str(up["instant"]), up["state"], *cells, down["ends"], up["ends"]])
     table(out, heads, shown, indent=4, right=(0, 2, 3))
+    _print_rest(out, result)
+
+
+def _print_basin(out: Console, basin: BasinResult) -> None:
+    from contwalk.cli.terminal import line
+
+    whole = sum(part**2 for part in basin.cells[:, 2].tolist())
+    line(out, f"basin in {basin.states[0]} and {basin.states[1]}, {len(basin.labels)} motions:")
+    for label in sorted(set(basin.cell_labels)):
+        mine = zip(basin.cells[:, 2].tolist(), basin.cell_labels, strict=True)
+        share = sum(part**2 for part, own in mine if own == label) / whole
+        line(out, f"    {100.0 * share:5.1f} % of the plane: {label or 'squares on borders'}")
+
+
+def _print_rest(out: Console, result: MarginsResult) -> None:
+    from contwalk.cli.terminal import line
+
     out.print()
     for note in result.notes:
         line(out, f"note: {note}")

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from contwalk.plotting.animation import save_animation
+    from contwalk.plotting.basin import plot_basin
     from contwalk.plotting.bifurcation_diagram import plot_bifurcation_diagram
     from contwalk.plotting.chart import plot_chart
     from contwalk.plotting.eigenvalues import plot_eigenvalues
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Portrait",
     "new_axes",
+    "plot_basin",
     "plot_bifurcation_diagram",
     "plot_chart",
     "plot_eigenvalues",
@@ -75,6 +77,7 @@ _MODULES = {
     "plot_histogram": "histogram",
     "plot_locus": "locus",
     "plot_machine": "machine",
+    "plot_basin": "basin",
     "plot_margins": "margins",
     "plot_multiplier_moduli": "multiplier_moduli",
     "plot_multiplier_panels": "multipliers",

@@ -37,6 +37,7 @@ PROPORTIONS = {
     "phase_panels": (4.6, 4.6),
     "time_series": (7.2, 3.0),
     "histogram": (6.4, 4.0),
+    "basin": (5.4, 4.8),
     "margins": (3.1, 4.6),
     "tradeoff": (6.4, 4.2),
 }

@@ -111,6 +111,9 @@ class Margins:
     instants : tuple of mapping
         `fraction` of the closure, `time`, `mode` and `state`, a list of n numbers.
     header : mapping
+    basin : mapping
+        Empty where none was asked for: `states`, the names of the two, `places`, ndarray of shape (k, 2), and
+        `labels`, a tuple of what each comes to.
     """
 
     system: str
@@ -118,6 +121,7 @@ class Margins:
     rows: tuple[Mapping[str, Any], ...]
     instants: tuple[Mapping[str, Any], ...]
     header: Mapping[str, Any] = field(default_factory=dict)
+    basin: Mapping[str, Any] = field(default_factory=dict)
 
 
 def write_trajectory(path: Path, trajectory: Trajectory) -> Path:
@@ -206,7 +210,8 @@ def write_margins(path: Path, margins: Margins) -> Path:
     def fill(file: h5py.File) -> None:
         for name in ("instant", "sign", "simulations", "several"):
             file[name] = np.array([row[name] for row in rows])
-        file["vector"] = np.array([row["vector"] for row in rows], dtype=float)
+        vectors = [row["vector"] for row in rows]
+        file["vector"] = np.array(vectors, dtype=float).reshape(len(rows), len(margins.states))
         file["border"] = np.array([np.nan if row["border"] is None else row["border"] for row in rows])
         for name in ("state", "ends"):
             file[name] = np.array([row[name] for row in rows], dtype=text)
@@ -218,6 +223,10 @@ def write_margins(path: Path, margins: Margins) -> Path:
             instants[name] = np.array([entry[name] for entry in margins.instants], dtype=float)
         instants["mode"] = np.array([entry["mode"] for entry in margins.instants], dtype=text)
         instants["state"].attrs["states"] = list(margins.states)
+        if margins.basin:
+            file["basin/places"] = margins.basin["places"]
+            file["basin/places"].attrs["states"] = list(margins.basin["states"])
+            file["basin/labels"] = np.array(margins.basin["labels"], dtype=text)
 
     return _written(path, MARGINS, margins.system, margins.header, fill)
 
@@ -252,9 +261,21 @@ def read_margins(path: str | Path) -> Margins:
                 for f, t, mode, state in zip(fractions, times, modes, states, strict=True)
             ),
             header=json.loads(file.attrs["header"]),
+            basin=_basin(file),
         )
 
     return _read(path, MARGINS, take)
+
+
+def _basin(file: h5py.File) -> dict[str, Any]:
+    if "basin" not in file:
+        return {}
+    places = file["basin/places"]
+    return {
+        "states": tuple(str(name) for name in places.attrs["states"]),
+        "places": places[()],
+        "labels": tuple(file["basin/labels"].asstr()[()]),
+    }
 
 
 def _written(

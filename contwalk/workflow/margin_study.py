@@ -163,7 +163,7 @@ def rays_of(
 ) -> tuple[list[Ray], list[str]]:
     """The rays in their order, and which states are left out, and why."""
     solution, names, wanted = study.solution, run.system.state_names, run.margins
-    others = bool(wanted.directions or wanted.modes or wanted.random)
+    others = bool(wanted.directions or wanted.modes or wanted.random or wanted.basin)
     pushed = () if others and "states" not in wanted.model_fields_set else wanted.states
     chosen = [name for name in names if pushed == ("all",) or name in pushed]
     notes = []
@@ -192,7 +192,7 @@ def rays_of(
                 continue
             push = tuple(there.tolist())
             rays += [Ray(len(rays) + k, number, name, sign, push, unit) for k, sign in enumerate((1, -1))]
-    if not rays:
+    if not rays and wanted.basin is None:
         raise ContwalkError("No state is left to be pushed.", " ".join(notes))
     return rays, notes
 

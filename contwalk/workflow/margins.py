@@ -16,6 +16,8 @@ from contwalk.storage.journal import Journal
 from contwalk.storage.trajectory import Margins, write_margins
 from contwalk.studies.margins.solution import Solution
 from contwalk.studies.margins.survival import BEYOND
+from contwalk.workflow.basin import BasinResult, basin_of
+from contwalk.workflow.basin_files import drawn_basin, write_basin_table
 from contwalk.workflow.made_with import made_with
 from contwalk.workflow.many_runs import Executor, in_order
 from contwalk.workflow.margin_rays import row_of
@@ -35,12 +37,14 @@ class MarginsResult:
     notes : list of str
         What was left out, and why.
     files, figures : list of Path
+    basin : BasinResult, optional
     """
 
     rows: list[dict[str, Any]]
     notes: list[str] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
     figures: list[Path] = field(default_factory=list)
+    basin: BasinResult | None = None
 
 
 @one_thread()
@@ -78,20 +82,19 @@ def margins(
         For bad input, before anything is written; where the motion does not survive unpushed; where a study
         to go on with is another one.
     """
-    database, table, picture = (run.file(f"margins.{suffix}") for suffix in ("h5", "csv", "png"))
+    names, wanted = Names(run), run.margins.basin
     journal = run.file("margins.journal")
-    refuse_existing([database, table, *([picture] if figures else [])], force)
+    refuse_existing(names.written(figures), force)
     _check_journal(journal, resume or force)
     study, modes, notes = study_of(run)
     rays, left_out = rays_of(run, study, modes)
     notes += left_out
     check_unpushed(study)
-    with Journal(
-        journal,
-        {"study": study.key, "rays": [{**asdict(ray), "vector": list(ray.vector)} for ray in rays]},
-        resume,
-    ) as kept:
-        rows = list(kept.kept)
+    identity = {"study": study.key, "rays": [{**asdict(ray), "vector": list(ray.vector)} for ray in rays]}
+    if wanted is not None:
+        identity["basin"] = repr(wanted)
+    with Journal(journal, identity, resume) as kept:
+        rows = list(kept.kept[: len(rays)])
         rest = [(study, ray) for ray in rays[len(rows) :]]
         for row in in_order(row_of, rest, jobs, executor):
             kept.add(row)
@@ -99,11 +102,38 @@ def margins(
             if progress is not None:
                 progress(len(rows), len(rays))
         notes += _notes_of(rows)
-        write_margins(database, _to_store(run, study.solution, rows, notes))
-        _write_table(rows, table)
-        drawn = [_drawn(run, study.solution, rows, picture)] if figures else []
+        basin = None
+        if wanted is not None:
+            basin = basin_of(run, study, kept, kept.kept[len(rays) :], jobs, executor)
+            notes += basin.notes
+        write_margins(names.database, _to_store(run, study.solution, rows, notes, basin))
+        files, drawn = [names.database], []
+        if rows:
+            _write_table(rows, names.table)
+            files.append(names.table)
+            drawn += [_drawn(run, study.solution, rows, names.picture)] if figures else []
+        if basin is not None:
+            write_basin_table(basin, names.basin_table)
+            files.append(names.basin_table)
+            drawn += [drawn_basin(run, basin, names.basin_picture)] if figures else []
         kept.remove()
-    return MarginsResult(rows, notes, [database, table], drawn)
+    return MarginsResult(rows, notes, files, drawn, basin)
+
+
+class Names:
+    """The files that a study writes."""
+
+    def __init__(self, run: MarginsFile) -> None:
+        self.database, self.table, self.picture = (run.file(f"margins.{end}") for end in ("h5", "csv", "png"))
+        self.basin_table, self.basin_picture = (run.file(f"basin.{end}") for end in ("csv", "png"))
+        self._basin = run.margins.basin is not None
+
+    def written(self, figures: bool) -> list[Path]:
+        """Those that must not be there before."""
+        found = [self.database, self.table, *([self.picture] if figures else [])]
+        if self._basin:
+            found += [self.basin_table, *([self.basin_picture] if figures else [])]
+        return found
 
 
 def _check_journal(journal: Path, taken_up: bool) -> None:
@@ -116,7 +146,11 @@ def _check_journal(journal: Path, taken_up: bool) -> None:
 
 
 def _to_store(
-    run: MarginsFile, solution: Solution, rows: Sequence[dict[str, Any]], notes: Sequence[str]
+    run: MarginsFile,
+    solution: Solution,
+    rows: Sequence[dict[str, Any]],
+    notes: Sequence[str],
+    basin: BasinResult | None,
 ) -> Margins:
     return Margins(
         system=run.system.name,
@@ -133,6 +167,9 @@ def _to_store(
             "notes": list(notes),
             "provenance": _provenance(run),
         },
+        basin={}
+        if basin is None
+        else {"states": basin.states, "places": basin.places, "labels": basin.labels},
     )
 
 

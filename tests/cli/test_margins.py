@@ -153,6 +153,25 @@ def test_given_and_drawn_directions_of_a_linear_oscillator(contwalk, oscillator)
     assert read_margins("oscillator_margins.h5").rows[0]["border"] == found.rows[6]["border"]
 
 
+def test_the_basin_of_a_well_is_where_its_energy_says(contwalk, folder):
+    """Without damping a ball stays in its well where V(x) + v^2 / 2 < V(0), and passes x = 0 elsewhere."""
+    prepared(folder, "well", start="right", free="tilt", range="[0, 0.1]", time=60)
+    basin = "margins.basin={states: {x: [0.1, 1.7], v: [-0.9, 0.9]}, cells: 6, levels: 2}"
+    done = contwalk("margins", "well.yaml", "--set", basin, "--set", "margins.survive={time: 40, returns: 3}")
+    assert done.code == 0
+    found = read_margins("well_margins.h5").basin
+    x, v = found["places"].T
+    energy = x**4 / 4.0 - x**2 / 2.0 + v**2 / 2.0
+    sure = np.abs(energy) > 1e-6
+    fallen = np.array(found["labels"]) == "fallen"
+    np.testing.assert_array_equal(fallen[sure], energy[sure] > 0.0)
+    assert set(found["labels"]) == {"fallen", "b1/0"}
+    whole = [(folder / f"well_{name}").read_bytes() for name in ("margins.h5", "basin.csv", "basin.png")]
+    again = ("--set", basin, "--set", "margins.survive={time: 40, returns: 3}", "--force", "--jobs", "2")
+    assert contwalk("margins", "well.yaml", *again).code == 0
+    assert [(folder / f"well_{n}").read_bytes() for n in ("margins.h5", "basin.csv", "basin.png")] == whole
+
+
 def test_two_processes_and_a_run_that_was_killed_leave_the_same_bytes(contwalk, oscillator):
     contwalk("margins", "oscillator.yaml", "--no-figures")
     files = [oscillator / f"oscillator_margins.{suffix}" for suffix in ("h5", "csv")]
@@ -201,9 +220,12 @@ def test_a_study_that_was_killed_while_it_wrote_a_row_goes_on(contwalk, oscillat
     for file in files:
         file.unlink()
     ending = (
-        "import os, sys; from contwalk.storage.journal import Journal; add = Journal.add; left = [int(sys.argv[1])]\n"
+        "import os, sys\n"
+        "from contwalk.storage.journal import Journal\n"
+        "add, left = Journal.add, [int(sys.argv[1])]\n"
         "def adds(self, row):\n"
-        "    if left[0] < 0: self._file.write(b'00000000 {'); self._file.flush(); os.kill(os.getpid(), 9)\n"
+        "    if left[0] < 0:\n"
+        "        self._file.write(b'00000000 {'); self._file.flush(); os.kill(os.getpid(), 9)\n"
         "    left[0] -= 1; add(self, row)\n"
         "Journal.add = adds\n"
         "from contwalk.cli.entry import run; run(('margins', 'oscillator.yaml', '--no-figures'))"
@@ -255,6 +277,10 @@ def test_what_is_unstable_is_refused(contwalk, folder):
         ("margins.directions={out: {y: 1}}", "directions.out.y", "not a state of 'oscillator'"),
         ("margins.directions={out: {x: 0}}", "directions.out", "pushes nothing"),
         ("margins.random={count: 0}", "random.count", "from 1 to 100000"),
+        ("margins.basin={states: {x: [0, 1]}}", "basin.states", "names 1 states"),
+        ("margins.basin={states: {x: [1, 0], v: [0, 1]}}", "basin.states.x", "[1, 0]"),
+        ("margins.basin={states: {x: [0, 1], y: [0, 1]}}", "basin.states.y", "not a state"),
+        ("margins.basin={states: {x: [0, 1], v: [0, 1]}, instant: 5}", "basin.instant", "there are 5"),
         ("margins.modes=3", "modes", "there are 2 eigenvalues"),
         ("margins.scan=-1", "scan", "a whole number from 0 up"),
         ("margins.farthest=0", "farthest", "a positive number"),

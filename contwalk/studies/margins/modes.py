@@ -10,6 +10,7 @@ import numpy as np
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
 from contwalk.errors import ContwalkError
+from contwalk.problems.orbit.deviations import Deviations
 from contwalk.studies.margins.solution import ACCURATE, Instant, Solution
 from contwalk.system import System
 
@@ -50,7 +51,7 @@ def mode_directions(
         problem, sample = reopened(system, branch, point, ACCURATE)
         if branch.info.problem == "equilibrium":
             return _of_equilibrium(problem, sample, solution, count)
-        return _of_orbit(branch, problem, sample, solution, count)
+        return _of_orbit(problem, sample, solution, count)
 
 
 def _of_equilibrium(problem: Any, sample: Any, solution: Solution, count: int) -> list[ModeDirections]:
@@ -67,18 +68,8 @@ def _of_equilibrium(problem: Any, sample: Any, solution: Solution, count: int) -
     return found
 
 
-def _of_orbit(
-    branch: Branch, problem: Any, sample: Any, solution: Solution, count: int
-) -> list[ModeDirections]:
-    deviations: Any
-    if branch.info.problem == "hybrid_orbit":
-        from contwalk.problems.hybrid.deviations import HybridDeviations
-
-        deviations = HybridDeviations(problem, sample.z)
-    else:
-        from contwalk.problems.orbit.deviations import SmoothDeviations
-
-        deviations = SmoothDeviations(problem, sample.z)
+def _of_orbit(problem: Any, sample: Any, solution: Solution, count: int) -> list[ModeDirections]:
+    deviations = Deviations(problem, sample.z)
     found: list[ModeDirections] = []
     for number in range(1, count + 1):
         mode = deviations.mode(number)
@@ -92,7 +83,7 @@ def _of_orbit(
     return found
 
 
-def _along(deviations: Any, start: np.ndarray, instants: tuple[Instant, ...]) -> list[np.ndarray]:
+def _along(deviations: Deviations, start: np.ndarray, instants: tuple[Instant, ...]) -> list[np.ndarray]:
     """The deviation at each instant that begins as `start`."""
     if not start.any():
         return [np.zeros(len(instant.state)) for instant in instants]

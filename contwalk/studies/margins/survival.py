@@ -83,30 +83,45 @@ class Survival:
 
     def verdict(self, instant: Instant, push: np.ndarray) -> str:
         """How a motion ends that sets out from an instant with a push, shape (n,), added to its state."""
+        ended, events = self.followed(instant, push)
+        if ended != SURVIVED:
+            return ended
+        if self.rule.sequence and not self._keeps(events, instant.time + self.rule.duration):
+            return LEFT
+        if self.rule.returns is not None and not self.distance(self.end.state) <= self.rule.returns:
+            return AWAY
+        return SURVIVED
+
+    @property
+    def end(self) -> Standpoint:
+        """Where the last motion was at its end."""
+        return self._motion.at
+
+    def followed(self, instant: Instant, push: np.ndarray) -> tuple[str, list[tuple[str, float]]]:
+        """As `verdict` of what ends a motion early, and its hard events with their times."""
         pushed = instant.state + push
         place = placed(self.machine, instant.time, instant.mode, instant.state, pushed, {self._falling})
         if place.beyond:
-            return BEYOND
+            return BEYOND, []
         # Where the mode stays the event has just happened, so that its guard is not asked again.
         last = instant.last if instant.last and place.mode == instant.mode else None
+        return self.moved(Standpoint(instant.time, place.mode, place.state, last), self.rule.duration)
+
+    def moved(self, begin: Standpoint, duration: float) -> tuple[str, list[tuple[str, float]]]:
+        """As `followed`, from where a motion stands."""
+        motion, events = self._motion, []
         try:
             with np.errstate(all="ignore"):
-                return self._moved(Standpoint(instant.time, place.mode, place.state, last))
+                for name, time in motion.events(begin, begin.time + duration):
+                    if name in self._hard:
+                        events.append((name, time))
         except (ContwalkError, ArithmeticError):
-            return ENDED
-
-    def _moved(self, begin: Standpoint) -> str:
-        motion, end = self._motion, begin.time + self.rule.duration
-        events = [(name, time) for name, time in motion.events(begin, end) if name in self._hard]
+            return ENDED, events
         if motion.status == self._falling:
-            return FALLEN
+            return FALLEN, events
         if motion.status != TIME_UP:
-            return ACCUMULATED if motion.status == CHATTER else ENDED
-        if self.rule.sequence and not self._keeps(events, end):
-            return LEFT
-        if self.rule.returns is not None and not self._distance(motion.at.state) <= self.rule.returns:
-            return AWAY
-        return SURVIVED
+            return ACCUMULATED if motion.status == CHATTER else ENDED, events
+        return SURVIVED, events
 
     def _keeps(self, events: Sequence[tuple[str, float]], end: float) -> bool:
         """Whether the events of the solution happen in their order once in the last periods."""
@@ -120,9 +135,10 @@ class Survival:
             for rotation in rotations
         )
 
-    def _distance(self, state: np.ndarray) -> float:
-        """How far a state is from the nearest one of the solution, in units of the magnitudes."""
-        off = self.solution.course - state
+    def distance(self, state: np.ndarray, course: np.ndarray | None = None) -> float:
+        """How far a state is from the nearest one of the solution, or of another course, shape (k, n), in
+        units of the magnitudes."""
+        off = (self.solution.course if course is None else course) - state
         for place, declared in enumerate(self.system.states):
             if declared.name in self.solution.neutral:
                 off[:, place] = 0.0

@@ -83,6 +83,8 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
             )
     for name, shares in wanted.directions.items():
         _check_direction(problems, system, name, shares)
+    if wanted.basin is not None:
+        _check_basin(problems, system, wanted)
     if wanted.survive.periods is not None and wanted.survive.time is not None:
         problems.add(("margins", "survive"), "gives both periods and time.", "Give one of them.")
     for name in model.parameters:
@@ -125,3 +127,25 @@ def _check_direction(problems: Problems, system: System, name: str, shares: Mapp
             )
     if not any(shares.values()):
         problems.add(key, "pushes nothing.", "Give the share of at least one state: {x: 1.0, v: -0.5}.")
+
+
+def _check_basin(problems: Problems, system: System, wanted: Margins) -> None:
+    key, basin = ("margins", "basin"), wanted.basin
+    assert basin is not None
+    if len(basin.states) != 2:
+        problems.add(
+            (*key, "states"), f"names {len(basin.states)} states.", "Give two: {x: [-2, 2], v: [-1, 1]}."
+        )
+    for name, (low, high) in basin.states.items():
+        if name not in system.state_names:
+            what = f"'{name}' is not a state of '{system.name}'."
+            problems.add((*key, "states", name), what, allowed(system.state_names, name))
+        elif set(low.names) | set(high.names):
+            problems.add((*key, "states", name), "names a parameter.", "Give numbers, lowest first.")
+        elif not low.value({}) < high.value({}):
+            problems.add((*key, "states", name), f"is [{low}, {high}].", "Give [lowest, highest].")
+    count = wanted.instants if isinstance(wanted.instants, int) else len(wanted.instants)
+    if basin.instant >= count:
+        problems.add(
+            (*key, "instant"), f"is {basin.instant}, and there are {count}.", "They are numbered from 0."
+        )

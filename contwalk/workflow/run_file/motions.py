@@ -102,6 +102,15 @@ class RandomDirections(Section):
     seed: int = Field(default=1, ge=0, description="a whole number from 0 up")
 
 
+class Basin(Section):
+    """A plane of pushes of two states, labelled by what the motions come to."""
+
+    states: dict[str, Interval] = Field(description="{state: [lowest, highest], other: [lowest, highest]}")
+    instant: int = Field(default=0, ge=0, description="the number of one of the instants")
+    cells: int = Field(default=16, ge=1, le=1000, description="a whole number from 1 to 1000")
+    levels: int = Field(default=3, ge=0, le=12, description="a whole number from 0 to 12")
+
+
 class Margins(Section):
     """`contwalk margins`: how far a motion may be pushed."""
 
@@ -117,6 +126,9 @@ class Margins(Section):
     )
     modes: int = Field(default=0, ge=0, le=1000, description="a whole number from 0 up")
     random: RandomDirections | None = Field(default=None, description="{count: 20, seed: 1}")
+    basin: Basin | None = Field(
+        default=None, description="{states: {x: [-2, 2], v: [-2, 2]}, instant: 0, cells: 16, levels: 3}"
+    )
     survive: Survive = Field(default=Survive(), description="{periods: 20}")
     accuracy: BorderAccuracy = Field(
         default=0.01, description="a number from 1e-12 to 0.5: relative width of what a border lies in"

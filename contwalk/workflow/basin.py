@@ -1,0 +1,202 @@
+"""The basin of a solution on a plane of two states: what motions come to, refined where that differs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.flow.hybrid.motion_events import Standpoint
+from contwalk.storage import open_database
+from contwalk.storage.journal import Journal
+from contwalk.studies.margins.refinement import Cell, Vertex, refined
+from contwalk.studies.margins.solution import solution_at
+from contwalk.studies.margins.survival import SURVIVED
+from contwalk.workflow.basin_points import UNKNOWN, Attractors, BasinStudy, reached
+from contwalk.workflow.many_runs import Executor, in_order
+from contwalk.workflow.margin_rays import Study, survival_of
+from contwalk.workflow.run_file.margins import MarginsFile
+
+# How near a motion must be to a solution to have come to it, in units of the magnitudes, where nobody says.
+NEARNESS = 0.1
+# Parameters are the same within this part of their size.
+SAME = 1e-9
+MOST_NEW = 8  # attractors that no stored solution is; what comes to more of them stays unknown
+SAMPLES = 400  # states on each of them, over the time of survival
+SETTLING = 2.0  # of these times that one is followed for before
+
+
+@dataclass(frozen=True, eq=False)
+class BasinResult:
+    """A basin.
+
+    Parameters
+    ----------
+    states : tuple of str
+        The two that are pushed.
+    places : ndarray, shape (k, 2)
+        Their values.
+    labels : tuple of str
+        What each comes to: the name of a stored solution, `new1`, .., or the code of how it ends.
+    cells : ndarray, shape (c, 3)
+        Squares in the end: their lower left values, and their part of the ranges.
+    cell_labels : tuple of str
+        Theirs; empty where their corners differ.
+    own : tuple of float
+        Values of the two at the instant of the solution.
+    notes : list of str
+    """
+
+    states: tuple[str, str]
+    places: np.ndarray
+    labels: tuple[str, ...]
+    cells: np.ndarray
+    cell_labels: tuple[str, ...]
+    own: tuple[float, float]
+    notes: list[str] = field(default_factory=list)
+
+
+def known_attractors(run: MarginsFile, study: Study) -> Attractors:
+    """The stable solutions of the database at the parameters of the one that is pushed."""
+    wanted, values = run.margins, study.solution.parameters
+    courses = {wanted.of.point: study.solution.course}
+    with open_database(run.database) as db:
+        for name in db.branch_names():
+            branch = db.branch(name)
+            places: list[SpecialPoint | int] = [*range(len(branch)), *branch.special_points]
+            for place in places:
+                called = f"{name}/{place if isinstance(place, int) else place.name}"
+                if called == wanted.of.point or not _stands_there(branch, place, values):
+                    continue
+                course = solution_at(run.system, branch, place, (0.0,)).course
+                if all(not _same_course(study, course, other) for other in courses.values()):
+                    courses[called] = course
+    return Attractors(courses, wanted.survive.returns or NEARNESS)
+
+
+def _stands_there(branch: Any, place: SpecialPoint | int, values: dict[str, float]) -> bool:
+    """Whether a point is stable, and its parameters are these."""
+    if branch.info.problem not in ("equilibrium", "periodic_orbit", "hybrid_orbit"):
+        return False
+    if isinstance(place, int):
+        stable = int(branch.points["unstable"][place]) == 0
+        own = {
+            **branch.info.parameters,
+            **dict(zip(branch.info.free, branch.points["free"][place], strict=True)),
+        }
+    else:
+        stable = max(place.unstable_before, place.unstable_after) == 0
+        own = dict(place.parameters)
+    return stable and all(
+        abs(float(own.get(name, value)) - value) <= SAME * abs(value) for name, value in values.items()
+    )
+
+
+def _same_course(study: Study, course: np.ndarray, other: np.ndarray) -> bool:
+    """Whether a course is, at its first state, on another one."""
+    first = np.where(np.isfinite(course[0]), course[0], 0.0)
+    return survival_of(study).distance(first, other) <= 1e-3
+
+
+def basin_of(
+    run: MarginsFile,
+    study: Study,
+    journal: Journal,
+    kept: Sequence[dict[str, Any]],
+    jobs: int,
+    executor: Executor | None,
+) -> BasinResult:
+    """The labels of a plane of pushes; those in `kept` are taken, new ones are added to the journal."""
+    wanted = run.margins.basin
+    assert wanted is not None
+    (first, second), values = wanted.states, study.solution.parameters
+    names, steps = run.system.state_names, wanted.cells * 2**wanted.levels
+    low, high = (np.array([wanted.states[name][k].value(values) for name in (first, second)]) for k in (0, 1))
+    places = [names.index(first), names.index(second)]
+    basin = BasinStudy(study, known_attractors(run, study), wanted.instant)
+    base, done, named = study.solution.instants[wanted.instant].state, list(kept), _NewAttractors(basin)
+
+    def value(vertex: Vertex) -> np.ndarray:
+        return np.asarray(low + (high - low) * np.array(vertex) / steps)
+
+    def push(vertex: Vertex) -> tuple[float, ...]:
+        along = np.zeros(len(names))
+        along[places] = value(vertex) - base[places]
+        return tuple(along.tolist())
+
+    def label(vertices: Sequence[Vertex]) -> list[str]:
+        found, there = [], min(len(done), len(vertices))
+        entries = done[:there]
+        del done[:there]
+        rest = [(basin, push(v)) for v in vertices[there:]]
+        for entry in entries:
+            found.append(named.name(entry))
+        for entry in in_order(reached, rest, jobs, executor):
+            journal.add(entry)
+            found.append(named.name(entry))
+        return found
+
+    labels, cells = refined(label, wanted.cells, wanted.levels)
+    return BasinResult(
+        states=(first, second),
+        places=np.array([value(vertex) for vertex in labels]),
+        labels=tuple(labels.values()),
+        cells=np.array([[*value((c.i, c.j)), c.size / steps] for c in cells]),
+        cell_labels=tuple(labels[c.i, c.j] if _even(c, labels) else "" for c in cells),
+        own=(float(base[places[0]]), float(base[places[1]])),
+        notes=named.notes,
+    )
+
+
+def _even(cell: Cell, labels: dict[Vertex, str]) -> bool:
+    return len({labels[corner] for corner in cell.corners}) == 1
+
+
+class _NewAttractors:
+    """Names what is none of the stored solutions: new1, new2, .. in the order in which motions come to
+    them."""
+
+    def __init__(self, basin: BasinStudy) -> None:
+        self._basin, self._new = basin, Attractors({}, basin.attractors.nearness)
+        self.notes: list[str] = []
+
+    def name(self, entry: dict[str, Any]) -> str:
+        if entry["label"] != UNKNOWN:
+            return str(entry["label"])
+        state, courses = np.array(entry["state"]), self._new.courses
+        if courses:
+            known = self._new.nearest(self._basin.study, state)
+            if known != UNKNOWN:
+                return known
+        if len(courses) >= MOST_NEW:
+            return UNKNOWN
+        course = self._course(Standpoint(entry["time"], entry["mode"], state))
+        if course is None:
+            return UNKNOWN
+        named = f"new{len(courses) + 1}"
+        self._new = replace(self._new, courses={**courses, named: course})
+        where = ", ".join(
+            f"{name} {value:.6g}" for name, value in zip(survival_names(self._basin), course[-1], strict=True)
+        )
+        self.notes.append(f"{named} is none of the stored solutions: motions come to {where}.")
+        return named
+
+    def _course(self, begin: Standpoint) -> np.ndarray | None:
+        """States on what a motion has come to, shape (k, n); None where it ends."""
+        survival, states, at = survival_of(self._basin.study), [], begin
+        duration = survival.rule.duration
+        for part in (SETTLING, *[1.0 / SAMPLES] * SAMPLES):
+            ended, _ = survival.moved(at, part * duration)
+            if ended != SURVIVED:
+                return None
+            at = survival.end
+            states.append(at.state)
+        return np.array(states)
+
+
+def survival_names(basin: BasinStudy) -> tuple[str, ...]:
+    """Names of the states."""
+    return survival_of(basin.study).system.state_names
