@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from contwalk.cli.jobs_option import jobs_option
+from contwalk.cli.scheduler_option import check_one, scheduler_option
 
 if TYPE_CHECKING:
     from contwalk.branch import Branch
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 @click.option("--resume", is_flag=True, help="Go on with a database that an earlier run has begun.")
 @click.option("--force", is_flag=True, help="Replace a database that exists.")
 @jobs_option("Processes that branches are walked in (1); auto: one for each processor.", 1)
+@scheduler_option()
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.option("--no-figures", is_flag=True, help="Do not draw the figures of the run file.")
 @click.option("--strict", is_flag=True, help="Exit with 1 if a special point could not be located.")
@@ -37,6 +39,7 @@ def command(
     resume: bool,
     force: bool,
     jobs: int,
+    scheduler: str | None,
     quiet: bool,
     no_figures: bool,
     strict: bool,
@@ -54,24 +57,27 @@ def command(
         raise click.UsageError(
             "--resume goes on with a database, --force replaces it. Give one of them.", context
         )
+    check_one(context, jobs, scheduler)
     from contwalk.cli.collector import loaded
     from contwalk.cli.entry import say
     from contwalk.cli.progress import reporter_for
     from contwalk.cli.termination import termination
     from contwalk.errors import WriteError
+    from contwalk.workflow.cluster import executor_at
     from contwalk.workflow.run_file.reading import read_run_file
     from contwalk.workflow.runner import run
 
     run_file = read_run_file(file, overrides, output)
     loaded()
     flags = {"--no-figures": no_figures, "--strict": strict, "--quiet": quiet}
-    again = _resuming(file, overrides, output, flags, jobs)
+    computing = {"--jobs": str(jobs)} if jobs != 1 else {"--scheduler": scheduler} if scheduler else {}
+    again = _resuming(file, overrides, output, flags, computing)
     reporter = reporter_for(run_file.range, quiet)
     with termination() as terminated:
         try:
-            with reporter:
+            with executor_at(scheduler) as executor, reporter:
                 kept = {"resume": resume, "force": force, "figures": not no_figures}
-                result = run(run_file, **kept, reporter=reporter, jobs=jobs)
+                result = run(run_file, **kept, reporter=reporter, jobs=jobs, executor=executor)
         except KeyboardInterrupt:  # outside the computing itself; what was found is stored all the same
             return _interrupted(again if run_file.output.exists() else None, terminated)
         except WriteError as error:
@@ -128,7 +134,11 @@ def _interrupted(again: str | None, terminated: Termination) -> int:
 
 
 def _resuming(
-    file: str, overrides: Sequence[str], output: str | None, flags: dict[str, bool], jobs: int
+    file: str,
+    overrides: Sequence[str],
+    output: str | None,
+    flags: dict[str, bool],
+    computing: dict[str, str],
 ) -> str:
     """The command that goes on with this run."""
     words = ["contwalk", "continue", file]
@@ -136,5 +146,6 @@ def _resuming(
         words += ["--set", override]
     if output is not None:
         words += ["--output", output]
-    words += ["--jobs", str(jobs)] if jobs != 1 else []
+    for option, value in computing.items():
+        words += [option, value]
     return shlex.join([*words, "--resume", *[flag for flag, given in flags.items() if given]])

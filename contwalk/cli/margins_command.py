@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from contwalk.cli.jobs_option import jobs_option
+from contwalk.cli.scheduler_option import check_one, scheduler_option
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,15 +25,20 @@ if TYPE_CHECKING:
 @click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Set a value of the run file.")
 @click.option("--output", metavar="X.h5", help="Base of the files' names, instead of the run file's output.")
 @jobs_option("Processes, or auto; the result does not depend on it.", 1)
+@scheduler_option()
 @click.option("--resume", is_flag=True, help="Go on with a study that was stopped.")
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.option("--no-figures", is_flag=True, help="Draw no figure.")
+@click.pass_context
 def command(
+    context: click.Context,
+    *,
     file: str,
     overrides: tuple[str, ...],
     output: str | None,
     jobs: int,
+    scheduler: str | None,
     resume: bool,
     force: bool,
     quiet: bool,
@@ -45,7 +51,9 @@ def command(
 
     Exit codes: 0; 1 if a computation failed; 2 for bad input, with nothing written.
     """
+    check_one(context, jobs, scheduler)
     from contwalk.cli.terminal import console
+    from contwalk.workflow.cluster import executor_at
     from contwalk.workflow.margins import margins
     from contwalk.workflow.run_file.margins import read_margins
 
@@ -53,7 +61,16 @@ def command(
     watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
 
     def found(progress: Callable[[int, int], None] | None = None) -> MarginsResult:
-        return margins(run, jobs=jobs, resume=resume, force=force, figures=not no_figures, progress=progress)
+        with executor_at(scheduler) as executor:
+            return margins(
+                run,
+                jobs=jobs,
+                executor=executor,
+                resume=resume,
+                force=force,
+                figures=not no_figures,
+                progress=progress,
+            )
 
     if watched:
         from rich.progress import Progress

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import math
+import shutil
 import subprocess
 import sys
 
@@ -66,9 +68,18 @@ def prepared(folder, name, **given):
     assert run(("continue", f"{name}.yaml", "--no-figures", "--quiet")) == 0
 
 
+@pytest.fixture(scope="session")
+def made_oscillator(tmp_path_factory):
+    """The oscillator's files with its database."""
+    made = tmp_path_factory.mktemp("oscillator")
+    with contextlib.chdir(made):
+        prepared(made, "oscillator", start="rest", free="zeta", range="[0.1, 0.3]", time=40)
+    return made
+
+
 @pytest.fixture
-def oscillator(folder):
-    prepared(folder, "oscillator", start="rest", free="zeta", range="[0.1, 0.3]", time=40)
+def oscillator(folder, made_oscillator):
+    shutil.copytree(made_oscillator, folder, dirs_exist_ok=True)
     return folder
 
 
