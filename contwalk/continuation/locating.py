@@ -176,7 +176,7 @@ def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: 
 def same_point(segment: Segment, located: Located, theta: float) -> bool:
     """Whether a located point is the branch's own solution at theta."""
     known, meshed = _known_to(segment), segment.problem.meshed
-    blur = BLUR if meshed is None else meshed.blur
+    blur = BLUR if meshed is None else meshed.location_tolerance
     least = blur + ROUNDING / segment.length + min(known / segment.length, DOUBTED)
     # As near to what is guessed of the branch there, it is so to the branch.
     guessed = np.linalg.norm((segment.guess(theta) - located.z) / segment.weights) / segment.length

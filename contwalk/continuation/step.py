@@ -268,7 +268,7 @@ def _onto_crossing(problem: Problem, a: Sample, z: np.ndarray, linearization: Li
 def _beside(segment: Segment) -> Sample:
     """The branch point that a walk begins at, with orientation and stability as they are right beside it."""
     meshed = segment.problem.meshed
-    near = segment.at(segment.beside(BESIDE if meshed is None else meshed.beside))
+    near = segment.at(segment.beside(BESIDE if meshed is None else meshed.branching_offset))
     return replace(
         segment.a,
         tangent=at_branch_point(segment.a.tangent, segment.a.weights),

@@ -265,9 +265,9 @@ class Meshed(Anchored, Protocol):
     """
 
     # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
-    beside: float
+    branching_offset: float
     # A located point lies on the branch if it is this near, relative to the segment, beside rounding.
-    blur: float
+    location_tolerance: float
 
     @property
     def method(self) -> str:

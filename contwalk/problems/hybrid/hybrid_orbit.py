@@ -83,7 +83,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     kind = "hybrid_orbit"
     asymmetries = least.asymmetries
     point_types = (*POINT_TYPES, *LIMIT_TYPES)
-    beside = 0.05
+    branching_offset = 0.05
     observing, switching = observing, switching
 
     # -- what is told of it ------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
     """
 
     kind = "locus"
-    blur = 1e-3
+    location_tolerance = 1e-3
 
     def __init__(
         self, plane: OrbitPlane, curve: OrbitCurve, near: tuple[np.ndarray, np.ndarray] | None = None
@@ -64,7 +64,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         self.parameters, self.free = orbit.parameters, plane.free[0]
         self.line = ParameterLine(self.free, dict(self.parameters), None, plane.free[1])
         self.point_types: Sequence[PointType] = POINT_TYPES[curve.of]
-        self.beside = orbit.beside
+        self.branching_offset = orbit.branching_offset
         self.known = Evaluations()
         self._near = near
         if near is not None:

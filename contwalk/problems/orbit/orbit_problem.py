@@ -67,7 +67,7 @@ class Switching(Protocol):
 class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
     """The part of a problem of orbits that does not depend on how they are discretised."""
 
-    blur = 1e-3  # solutions are solved for to a part of the tolerance only
+    location_tolerance = 1e-3  # solutions are solved for to a part of the tolerance only
     # Modules of what differs between kinds of orbits.
     observing: Observing
     switching: Switching

@@ -78,7 +78,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     point_types = POINT_TYPES
     limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
-    beside = 1.0
+    branching_offset = 1.0
     observing, switching = sampling, switching
 
     # -- variants ----------------------------------------------------------------------------------------
