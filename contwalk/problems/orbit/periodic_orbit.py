@@ -12,7 +12,7 @@ from contwalk import quantities
 from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.orbit import asymmetry, ending, equations, monodromy, sampling, switching
+from contwalk.problems.orbit import asymmetry, equations, monodromy, sampling, switching, termination
 from contwalk.problems.orbit.closure import closure_image
 from contwalk.problems.orbit.closure_view import SAMPLES
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
@@ -191,7 +191,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             problem = self.adapted_to(sample.z, sample.weights)
         problem.linearize(sample.z)  # is needed unless the orbit is cut anew, and passes all its states
         if not self.forced and problem.moves(sample.z):
-            times, speeds = ending.speeds_of(problem, sample.z)
+            times, speeds = termination.speeds_of(problem, sample.z)
             lengths = np.concatenate([np.diff(steps) for steps in problem.mesh.steps])
             better = better_phase(times, speeds, lengths)
             if better is not None:
@@ -270,7 +270,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     def fallen_back(self, z: np.ndarray, tangent: np.ndarray) -> bool:
         """Whether the orbit of a branch with this tangent has become its parent again."""
-        return ending.fallen_back(self, z, tangent)
+        return termination.fallen_back(self, z, tangent)
 
     # -- special points ----------------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.orbit import ending, undefined
+from contwalk.problems.orbit import termination, undefined
 from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
@@ -22,7 +22,7 @@ class SmoothDiagnosis(OrbitDiagnosis):
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does."""
-        return ending.ended(self._smooth, a, b)
+        return termination.ended(self._smooth, a, b)
 
     def without_value(self, z: np.ndarray) -> str:
         """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found."""
