@@ -26,7 +26,7 @@ def closed() -> Outcome:
     return Outcome("complete", "closed", "The branch is closed: it came back to its start. Nothing to do.")
 
 
-def fallen_back() -> Outcome:
+def returned_to_parent() -> Outcome:
     """The orbit became its own parent again."""
     return Outcome(
         "complete",

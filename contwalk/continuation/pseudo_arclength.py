@@ -181,8 +181,8 @@ def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settin
             words = f"{words} {limited.neighbours(record)[1]}"
         kind = limited.limits[int(found.located.vectors["limit"])].kind
         return outcomes.limit(found.type, kind, asked, words)
-    if found.located.vectors.get("fallen_back"):
-        return outcomes.fallen_back()
+    if found.located.vectors.get("returned_to_parent"):
+        return outcomes.returned_to_parent()
     if found.type.saddles and settings.neutral_saddles == "stop":
         return outcomes.neutral_saddles()
     if found.mark is None:

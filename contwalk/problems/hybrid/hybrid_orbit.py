@@ -201,7 +201,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """Whether two solutions at the same parameter are one orbit."""
         return equivalence.same(self, a, b)
 
-    def fallen_back(self, z: np.ndarray, tangent: np.ndarray | None = None) -> bool:
+    def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray | None = None) -> bool:
         """Whether an orbit repeats itself, or is its own image, as its parent does."""
         return least.repetitions(self, z) > 1 or bool(least.own_image(self, z))
 

@@ -129,7 +129,7 @@ def _refined(problem: OrbitData, system: Augmented, rough: np.ndarray, sample: S
         return None  # refinement has left the neighbourhood
     vectors = system.vectors(finer, found)
     if "plane" in vectors:
-        vectors["fallen_back"] = finer.fallen_back(found[: size + 1], sample.tangent)
+        vectors["returned_to_parent"] = finer.returned_to_parent(found[: size + 1], sample.tangent)
     if len(free) > 1:
         vectors["errors"] = errors
     return Located(found[: size + 1], errors[problem.line.free], vectors, refined=True, problem=finer)

@@ -268,9 +268,9 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """Whether a solution is one that the machine can move on: without events, all are."""
         return True
 
-    def fallen_back(self, z: np.ndarray, tangent: np.ndarray) -> bool:
+    def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray) -> bool:
         """Whether the orbit of a branch with this tangent has become its parent again."""
-        return termination.fallen_back(self, z, tangent)
+        return termination.returned_to_parent(self, z, tangent)
 
     # -- special points ----------------------------------------------------------------------------------
 

@@ -135,7 +135,7 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """The map that takes the section once round the orbit."""
         ...
 
-    def fallen_back(self, z: np.ndarray, tangent: np.ndarray) -> bool:
+    def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray) -> bool:
         """Whether the orbit of a branch with this tangent has become its parent again."""
         ...
 

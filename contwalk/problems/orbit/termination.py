@@ -99,7 +99,7 @@ def speeds_of(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.nd
     return 0.5 * (times[1:] + times[:-1])[moves], passed / lengths[moves]
 
 
-def fallen_back(problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
+def returned_to_parent(problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
     """Whether an orbit has become its parent: it repeats itself, or is its own image, and those beside it
     on its branch do not.
     """

@@ -58,7 +58,7 @@ def test_a_whole_orbit_that_is_its_own_image_is_halved() -> None:
     whole = problem.of_word(problem.word.unfolded(problem.system))
     there = discretized(whole, images(problem, z, 2))
     assert own_image(there, images(problem, z, 2)) == "inversion"
-    assert there.fallen_back(images(problem, z, 2))
+    assert there.returned_to_parent(images(problem, z, 2))
     part, start = least(there, images(problem, z, 2))
     assert (part.word, part.subharmonic, part.forcings) == (problem.word, 3, 1.5)
     np.testing.assert_array_equal(start, z)

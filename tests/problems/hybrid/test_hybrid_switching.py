@@ -236,7 +236,7 @@ class TestParts:
     def test_an_orbit_that_repeats_itself_is_divided(self, name, times):
         problem, longer, z, zs = self.repeated(name, times)
         assert repetitions(longer, zs) == times
-        assert longer.fallen_back(zs)
+        assert longer.returned_to_parent(zs)
         assert np.all(
             np.abs(longer.linearize(zs).residual) <= 100.0 * problem.mesh.tolerance * longer.equation_scales
         )
@@ -255,7 +255,7 @@ class TestParts:
         _, longer, _, zs = self.repeated(name, 2)
         zs[: longer.layout.durations.start // 2] += 1e-4 * longer.mesh.variation.min()
         assert repetitions(longer, zs) == 1
-        assert not longer.fallen_back(zs)
+        assert not longer.returned_to_parent(zs)
 
     def test_a_word_without_parts_does_not_repeat(self):
         problem, z = orbit("different numbers of states")

@@ -46,7 +46,7 @@ class BranchPoint(OrbitPoint):
 
     def form_of_pair(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """As `form`; coefficients up to a common factor, and no criticality."""
-        if located.vectors.get("fallen_back"):
+        if located.vectors.get("returned_to_parent"):
             return None, None, {}, PAIR
         c = normal_forms.branch_point(problem.return_map(located.z), float(sample.weights[-1]))
         largest = max(abs(c[name]) for name in BRANCHING)
@@ -69,11 +69,11 @@ class BranchPoint(OrbitPoint):
 def _branch_point(problem: OrbitData, located: Located, sample: Sample) -> Form:
     weight = float(sample.weights[-1])
     c = known(problem, located, sample, "c", lambda map_: normal_forms.branch_point(map_, weight))
-    fallen_back = bool(located.vectors.get("fallen_back"))
-    if c["c11"] != 0.0 and not fallen_back:
+    returned_to_parent = bool(located.vectors.get("returned_to_parent"))
+    if c["c11"] != 0.0 and not returned_to_parent:
         return "transcritical", None, c, None
     criticality, vanishes = criticality_of(c["c"], c.get("c_error"))
-    if fallen_back:  # no coefficients: nothing leaves here that the parent's own point does not tell
+    if returned_to_parent:  # no coefficients: nothing leaves here that the parent's own point does not tell
         return "pitchfork", criticality, {}, "; ".join(filter(None, (FALLEN_BACK, vanishes)))
     return "pitchfork", criticality, c, vanishes
 
