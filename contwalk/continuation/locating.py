@@ -22,7 +22,7 @@ FARTHEST = 0.1
 # How far beyond what solutions are known to that is.
 WELL_BEYOND = 10.0
 # A located point lies on the branch if it is this near, relative to the segment, where equations are exact.
-BLUR = 1e-6
+LOCATION_TOLERANCE = 1e-6
 # What the ends of a segment are known to blurs as well, up to this part of the segment.
 DOUBTED = 1e-2
 
@@ -176,8 +176,8 @@ def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: 
 def same_point(segment: Segment, located: Located, theta: float) -> bool:
     """Whether a located point is the branch's own solution at theta."""
     known, meshed = _known_to(segment), segment.problem.meshed
-    blur = BLUR if meshed is None else meshed.location_tolerance
-    least = blur + ROUNDING / segment.length + min(known / segment.length, DOUBTED)
+    tolerance = LOCATION_TOLERANCE if meshed is None else meshed.location_tolerance
+    least = tolerance + ROUNDING / segment.length + min(known / segment.length, DOUBTED)
     # As near to what is guessed of the branch there, it is so to the branch.
     guessed = np.linalg.norm((segment.guess(theta) - located.z) / segment.weights) / segment.length
     return bool(guessed < 0.1 * least) or segment.distance(located.z, theta) < least
