@@ -90,11 +90,14 @@ class Diagnosis(Protocol):
         ...
 
     def explain(self, z: np.ndarray) -> str:
-        """Where in the plugin a residual at z is not finite."""
+        """Where in the plugin a residual at z is not finite. z has the shape (N + 1,)."""
         ...
 
     def obstacle(self, z: np.ndarray) -> str:
-        """What makes solutions beside z hard to find, and what helps; empty if nothing is known of that."""
+        """What makes solutions beside z hard to find, and what helps; empty if nothing is known of that.
+
+        z has the shape (N + 1,).
+        """
         ...
 
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
@@ -110,7 +113,7 @@ class Diagnosis(Protocol):
         ...
 
     def many_branches(self, z: np.ndarray) -> bool:
-        """Whether more than one branch passes through a solution, to rounding."""
+        """Whether more than one branch passes through a solution, to rounding. z has the shape (N + 1,)."""
         ...
 
 
@@ -118,7 +121,10 @@ class Equivalence(Protocol):
     """Which solutions are one, or images of each other."""
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The same solution with its angles turned as near as possible to those of another one."""
+        """The same solution with its angles turned as near as possible to those of another one.
+
+        All have the shape (N + 1,).
+        """
         ...
 
     def same(self, a: Sample, b: Sample) -> bool:

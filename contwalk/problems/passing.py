@@ -41,7 +41,10 @@ class Place:
         return apart
 
     def passed(self, states: np.ndarray) -> tuple[int, float] | None:
-        """The number of the last state before it is passed, and what `beyond` is there: whole turns."""
+        """The number of the last state before it is passed, and what `beyond` is there: whole turns.
+
+        Shape (k, n).
+        """
         beyond = self.beyond(states)
         turns = np.floor(beyond / self.period) if self.period else np.where(beyond < 0.0, -1.0, 0.0)
         passes = np.flatnonzero(turns[1:] > turns[:-1])
@@ -53,6 +56,8 @@ class Place:
     def begun_at(self, states: np.ndarray) -> np.ndarray | None:
         """The state at which a motion that comes back to its first one passes the value, if it begins there:
         as nearly as it comes back, so that nothing tells whether it passes at its beginning or at its end.
+
+        States have the shape (k, n), the one that is told (n,).
         """
         first, last, second = (float(b) for b in self.beyond(states[[0, -1, 1]]))
         turn = self._turns(first)
@@ -65,7 +70,7 @@ class Place:
         return self.told(states[0] + share * (states[1] - states[0]), turn)
 
     def told(self, state: np.ndarray, turn: float) -> np.ndarray:
-        """A state with the angle in the turn that the value is of, not so far beyond it."""
+        """A state with the angle in the turn that the value is of, not so far beyond it. Shape (n,)."""
         told = state.copy()
         told[self.index] -= turn * self.direction
         return told

@@ -254,7 +254,7 @@ class Anchored(Protocol):
         ...
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Problem:
-        """The problem for a solution that is taken up again."""
+        """The problem for a solution that is taken up again. z and weights have the shape (N + 1,)."""
         ...
 
 
@@ -275,11 +275,11 @@ class Meshed(Anchored, Protocol):
         ...
 
     def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
-        """The problem discretised for special points near z."""
+        """The problem discretised for special points near z. z and weights have the shape (N + 1,)."""
         ...
 
     def finest(self, z: np.ndarray, weights: np.ndarray) -> Problem:
-        """The problem on the finest steps that rounding allows."""
+        """The problem on the finest steps that rounding allows. z and weights have the shape (N + 1,)."""
         ...
 
 
@@ -306,7 +306,7 @@ class Problem(Protocol):
         ...
 
     def linearize(self, z: np.ndarray) -> Linearization:
-        """Residual, Jacobian and rounding level at z."""
+        """Residual, Jacobian and rounding level at z. z has the shape (N + 1,)."""
         ...
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:

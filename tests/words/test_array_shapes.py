@@ -21,7 +21,7 @@ LEFT = {
     "numerics": 4,
     "plotting": 4,
     "plugin_check": 10,
-    "problems": 405,
+    "problems": 75,
     "system": 5,
     "workflow": 4,
 }

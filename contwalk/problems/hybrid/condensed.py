@@ -77,7 +77,7 @@ class Chain:
 
     @cached_property
     def real(self) -> np.ndarray:
-        """The matrix's own columns among the inner legs'."""
+        """The matrix's own columns among the inner legs'. Shape (k,)."""
         inner = self.columns[: self.inner]
         return inner[inner < self.size]
 
@@ -87,7 +87,10 @@ class Chain:
         return _parity(self.rows) * _parity(self.columns)
 
     def extended(self, matrix: np.ndarray) -> np.ndarray:
-        """The matrix with the starting times of the inner legs as unknowns; its determinant is the same."""
+        """The matrix with the starting times of the inner legs as unknowns; its determinant is the same.
+
+        Both are square, shape (m, m).
+        """
         start = self.layout.start
         if start is None:
             return matrix
@@ -107,7 +110,7 @@ class Chain:
         return result
 
     def weights(self, given: np.ndarray) -> np.ndarray:
-        """Units of all unknowns, starting times included."""
+        """Units of all unknowns, starting times included. `given` has the shape (m,)."""
         start = self.layout.start
         return given if start is None else np.append(given, np.full(len(self.times), given[start]))
 
@@ -119,6 +122,8 @@ def _chain(layout: Layout, size: int) -> Chain:
 
 def factored(layout: Layout, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
     """A matrix of an orbit's equations and unknowns, and of borders that come last, factored.
+
+    The matrix has the shape (m, m), the weights (m,).
 
     Raises
     ------
@@ -181,7 +186,10 @@ class Condensed(Factorization):
         return np.linalg.inv(self._left)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """x with matrix @ x = right, of one right-hand side or of columns of them."""
+        """x with matrix @ x = right, of one right-hand side or of columns of them.
+
+        Both have the shape (m,) or (m, k).
+        """
         chain, inner = self.chain, self.chain.inner
         b = _padded(right, chain.width)[chain.rows] * self._scales[:, None]
         b = _in_reals(FORWARD, self._operations, b)
@@ -193,7 +201,7 @@ class Condensed(Factorization):
         return result[: chain.size].reshape(right.shape)
 
     def solve_adjoint(self, right: np.ndarray) -> np.ndarray:
-        """y with matrix* @ y = right."""
+        """y with matrix* @ y = right. Both have the shape (m,) or (m, k)."""
         chain, inner = self.chain, self.chain.inner
         c = _padded(right, chain.width)[chain.columns] * self._columns[:, None]
         y = np.empty_like(c, dtype=np.result_type(c, self._left))

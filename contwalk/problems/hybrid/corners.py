@@ -34,7 +34,10 @@ Instants = tuple[float, float]
 
 
 def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
-    """The corners that have come past zero on the way from one orbit to another."""
+    """The corners that have come past zero on the way from one orbit to another.
+
+    a and b have the shape (N + 1,).
+    """
     if not any(told.acts for passage in passages_of(problem, a) for _, told in pieced_guards(passage)):
         return ()
     try:

@@ -49,6 +49,8 @@ def stretched(problem: DiscretizedOrbit, z: np.ndarray) -> bool:
 
     Where a state moves by far less on a leg than on the orbit, as on a stiff contact, its deviations may grow
     in units of the orbit at once: shorter segments do not change that, and units of the leg tell.
+
+    z has the shape (N + 1,).
     """
     if _carried(problem, z) <= STRETCHED and _grown(problem, z) <= TOO_MUCH:
         return False
@@ -114,7 +116,10 @@ def _carried(problem: DiscretizedOrbit, z: np.ndarray) -> float:
 
 
 def begun(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
-    """A first orbit cut into as many segments as the run file asks for, or the growth of deviations does."""
+    """A first orbit cut into as many segments as the run file asks for, or the growth of deviations does.
+
+    z has the shape (N + 1,) of its problem, before and after.
+    """
     if not problem.cuttable:
         return problem, z
     cuts = problem.discretization.segments
@@ -185,7 +190,10 @@ def copied(
 
 
 def blocks(problem: DiscretizedOrbit, vector: np.ndarray) -> list[np.ndarray]:
-    """Of unknowns, or of a direction of them, each leg's states at the starts of its inner segments."""
+    """Of unknowns, or of a direction of them, each leg's states at the starts of its inner segments.
+
+    The vector has the shape (N + 1,), each array (cuts - 1, n_i).
+    """
     return [
         np.array([vector[place] for place in own]).reshape(len(own), n)
         for own, n in zip(problem.layout.inner, problem.layout.sizes, strict=True)
@@ -193,12 +201,18 @@ def blocks(problem: DiscretizedOrbit, vector: np.ndarray) -> list[np.ndarray]:
 
 
 def completed(bare: np.ndarray, inner: Sequence[np.ndarray]) -> np.ndarray:
-    """Unknowns from those of whole legs, the parameter last, and each leg's inner states."""
+    """Unknowns from those of whole legs, the parameter last, and each leg's inner states.
+
+    Each block of inner states has the shape (cuts - 1, n_i).
+    """
     return np.concatenate([bare[:-1], *(block.ravel() for block in inner), bare[-1:]])
 
 
 def bare(problem: DiscretizedOrbit, vector: np.ndarray) -> np.ndarray:
-    """Unknowns, or a direction or weights of them, without those of inner segments."""
+    """Unknowns, or a direction or weights of them, without those of inner segments.
+
+    The vector has the shape (N + 1,).
+    """
     return np.append(vector[: problem.layout.rest.stop], vector[-1])
 
 

@@ -43,9 +43,15 @@ class HybridDiagnosis(OrbitDiagnosis):
         return *super().passed(a, b), *jumps, *corners.passed(orbit, a, b)
 
     def without_value(self, z: np.ndarray) -> str:
-        """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found."""
+        """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found.
+
+        z has the shape (N + 1,).
+        """
         return undefined.where(self._eventful, z)
 
     def obstacle(self, z: np.ndarray) -> str:
-        """Where the field is smooth by pieces only, or over which leg deviations grow."""
+        """Where the field is smooth by pieces only, or over which leg deviations grow.
+
+        z has the shape (N + 1,).
+        """
         return obstacles.obstacle(self._eventful, z)

@@ -60,7 +60,10 @@ class DiscretizedOrbit(OrbitData):
         self.cuts, self.room, self.layout = 1, None, _laid_out(self, 1)
 
     def of_word(self, word: Word, times: int = 1, turns: np.ndarray | None = None) -> Self:
-        """The orbits of another word, lasting `times` as many periods of the forcing."""
+        """The orbits of another word, lasting `times` as many periods of the forcing.
+
+        `turns` has the shape (n,).
+        """
         return self.like(type(self), word, times, turns)
 
     def like(self, kind: type[Kind], word: Word, times: int = 1, turns: np.ndarray | None = None) -> Kind:
@@ -112,7 +115,10 @@ class DiscretizedOrbit(OrbitData):
         )
 
     def explicit(self, z: np.ndarray) -> tuple[DiscretizedOrbit, np.ndarray]:
-        """The orbit with a leg for every smooth piece, and its unknowns: itself, if none is condensed."""
+        """The orbit with a leg for every smooth piece, and its unknowns: itself, if none is condensed.
+
+        Both have the shape (N + 1,) of their problem.
+        """
         return self, z
 
     @property
@@ -121,12 +127,12 @@ class DiscretizedOrbit(OrbitData):
         return self.known.once("pieces", lambda: _pieces(self))
 
     def view(self, z: np.ndarray) -> tuple[LegView, ...]:
-        """A solution looked at piece by smooth piece."""
+        """A solution looked at piece by smooth piece. z has the shape (N + 1,)."""
         there, own = self.explicit(z)
         return there.known.at("view", own, MOST_VIEWS, lambda: _views(there, own))
 
     def duration(self, z: np.ndarray) -> float:
-        """Duration of the closure, seconds."""
+        """Duration of the closure, seconds. z has the shape (N + 1,)."""
         return float(z[self.layout.durations].sum())
 
     def starting_times(self, z: np.ndarray) -> np.ndarray:
@@ -145,6 +151,8 @@ class DiscretizedOrbit(OrbitData):
         """Unknowns from full states at the starts of the legs, their durations, and when the first begins.
 
         Segments are not cut: see `cutting.filled`.
+
+        States have the shape (n,) each, durations (m,), drifts (k,); unknowns (N + 1,).
         """
         z = np.zeros(self.layout.size + 1)
         for place, passage, x in zip(self.layout.states, self.passages, states, strict=True):
@@ -155,7 +163,10 @@ class DiscretizedOrbit(OrbitData):
         return z
 
     def magnitudes_of(self, weights: np.ndarray) -> np.ndarray:
-        """Typical magnitudes of all states, of weights of the unknowns; 1 for those of no leg."""
+        """Typical magnitudes of all states, of weights of the unknowns; 1 for those of no leg.
+
+        Magnitudes have the shape (n,), weights (N + 1,).
+        """
         magnitudes = np.ones(self.states)
         for place, passage in zip(self.layout.states, self.passages, strict=True):
             magnitudes[list(passage.states)] = weights[place] / np.sqrt(len(self.layout.segments))
@@ -173,11 +184,14 @@ class DiscretizedOrbit(OrbitData):
         return np.ones(self.layout.legs) if self.mesh.guards is None else self.mesh.guards
 
     def pieces_of(self, z: np.ndarray, i: int) -> list[LegView]:
-        """Leg i looked at, piece by piece where there are soft transitions on it."""
+        """Leg i looked at, piece by piece where there are soft transitions on it.
+
+        z has the shape (N + 1,).
+        """
         return [self.view(z)[i]]
 
     def courses(self, z: np.ndarray) -> list[Course]:
-        """The legs as they are looked at for kinks of their fields."""
+        """The legs as they are looked at for kinks of their fields. z has the shape (N + 1,)."""
         if all(passage.switching is None for passage in self.passages):
             return []
         return [course for leg in self.view(z) for course in leg.course()]
@@ -186,6 +200,8 @@ class DiscretizedOrbit(OrbitData):
         """The same solution with its angles turned as near as possible to those of another one.
 
         Of a forced orbit the instant at which it begins counts modulo its period, as an angle does.
+
+        All have the shape (N + 1,).
         """
         if len(z) != self.size + 1:
             return self.fitting(z).nearest_turn(z, near)
@@ -207,7 +223,7 @@ class DiscretizedOrbit(OrbitData):
 
     @abstractmethod
     def margins(self, z: np.ndarray) -> Margins:
-        """Values of all limits at a solution."""
+        """Values of all limits at a solution. z has the shape (N + 1,)."""
 
 
 def _laid_out(orbit: DiscretizedOrbit, cuts: int) -> Layout:

@@ -57,7 +57,7 @@ class Eliminated(Generic[Kind]):
         return self.explicit.linearize(self.unknowns).levels[0][self.grouping.soft_rows]
 
     def excess_of(self, residual: np.ndarray) -> float:
-        """A residual of what is eliminated, in units of its level here."""
+        """A residual of what is eliminated, in units of its level here. The residual has the shape (e,)."""
         return float(np.max(np.abs(residual) / self._level, initial=0.0))
 
     @cached_property
@@ -81,7 +81,7 @@ class Eliminated(Generic[Kind]):
         return self.size_of(self.residual)
 
     def size_of(self, residual: np.ndarray) -> float:
-        """A residual of what is left, in units of the equations."""
+        """A residual of what is left, in units of the equations. The residual has the shape (N,)."""
         return float(np.linalg.norm(residual / self._scales))
 
     @cached_property
@@ -90,12 +90,15 @@ class Eliminated(Generic[Kind]):
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """Inverse of the derivatives by what is eliminated of its own equations: it is used often."""
+        """Inverse of the derivatives by what is eliminated of its own equations: it is used often.
+
+        Shape (e, e).
+        """
         return np.linalg.inv(self._parts[5])
 
     @cached_property
     def correction(self) -> np.ndarray:
-        """What Newton's method subtracts from what is eliminated."""
+        """What Newton's method subtracts from what is eliminated. Shape (e,)."""
         return self.inverse @ self._parts[1]
 
     @cached_property
@@ -105,17 +108,17 @@ class Eliminated(Generic[Kind]):
 
     @cached_property
     def sizes(self) -> np.ndarray:
-        """Units of what is eliminated: the states' variation, and the closure's duration."""
+        """Units of what is eliminated: the states' variation, and the closure's duration. Shape (e,)."""
         return self.grouping.split(np.append(cycle_scales(self.explicit)[1], 1.0))[1]
 
     @cached_property
     def slope(self) -> np.ndarray:
-        """Derivative of what is eliminated by the unknowns."""
+        """Derivative of what is eliminated by the unknowns. Shape (e, N + 1)."""
         return -self.inverse @ self._parts[4]
 
     @cached_property
     def residual(self) -> np.ndarray:
-        """Of the equations that are left."""
+        """Of the equations that are left. Shape (N,)."""
         return self.corrected(self._parts[0], self.correction)
 
     def corrected(self, hard: np.ndarray, correction: np.ndarray) -> np.ndarray:
@@ -124,17 +127,20 @@ class Eliminated(Generic[Kind]):
 
     @property
     def jacobian(self) -> np.ndarray:
-        """Derivatives of what is left by the unknowns that are left."""
+        """Derivatives of what is left by the unknowns that are left. Shape (N, N + 1)."""
         _, _, by_own, by_soft, _, _ = self._parts
         return by_own + by_soft @ self.slope
 
     def levels(self, explicit: np.ndarray) -> np.ndarray:
-        """Levels of what is left, from levels of all equations."""
+        """Levels of what is left, from levels of all equations. Shape (N,)."""
         own, soft = explicit[self.grouping.hard_rows], explicit[self.grouping.soft_rows]
         return own + np.abs(self._parts[3] @ self.inverse) @ soft
 
     def direction(self, tangent: np.ndarray) -> np.ndarray:
-        """A direction of the unknowns that are left as one of all of them."""
+        """A direction of the unknowns that are left as one of all of them.
+
+        The tangent has the shape (N + 1,).
+        """
         return self.grouping.joined(tangent, self.slope @ tangent)
 
 
@@ -150,17 +156,17 @@ class Chord:
         self.soft = near.soft if near.solved else near.soft - near.correction
 
     def moved(self, z: np.ndarray) -> None:
-        """Go to another point, to first order."""
+        """Go to another point, to first order. z has the shape (N + 1,)."""
         self.soft, self.z = self.soft + self.near.slope @ (z - self.z), z
 
     def residuals(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of what is left, with what is eliminated to be corrected yet, and of that."""
+        """Of what is left, with what is eliminated to be corrected yet, and of that. Shapes (N,) and (e,)."""
         grouping = self.near.grouping
         found = self.near.explicit.residual(grouping.joined(self.z, self.soft))
         return found[grouping.hard_rows], found[grouping.soft_rows]
 
     def residual(self, z: np.ndarray) -> np.ndarray:
-        """Of what is left at z, that is eliminated being corrected once."""
+        """Of what is left at z, that is eliminated being corrected once. Shape (N,)."""
         self.moved(z)
         hard, soft = self.residuals()
         correction = self.near.inverse @ soft
@@ -171,6 +177,8 @@ class Chord:
         """Solve for what is eliminated at z, by Broyden's method, as far as it contracts.
 
         False where it leads nowhere. Residuals are far cheaper than the derivatives that are asked for then.
+
+        z has the shape (N + 1,).
         """
         self.moved(z)
         steps: list[np.ndarray] = []
@@ -203,6 +211,8 @@ def reached(near: Eliminated, z: np.ndarray, roughly: bool = False) -> Eliminate
 
     None where Newton's method finds none, or one that runs backwards. Solved to the level of residuals, or
     roughly: to where they are negligible beside those that are left.
+
+    z has the shape (N + 1,).
     """
     if near.solved and np.array_equal(near.z, z):
         return near

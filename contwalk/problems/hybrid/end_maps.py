@@ -24,6 +24,8 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
 
     b need not be a solution: what has no motion passes nothing. Of soft transitions, which may come and go,
     those of one orbit alone are left out.
+
+    a and b have the shape (N + 1,).
     """
     if not _any(problem, a):
         return ()
@@ -42,7 +44,10 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
 
 
 def lying(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
-    """The jumps at which events of an orbit are, to rounding: at every state of their guard, perhaps."""
+    """The jumps at which events of an orbit are, to rounding: at every state of their guard, perhaps.
+
+    z has the shape (N + 1,).
+    """
     if not _any(problem, z):
         return ()
     found = [
@@ -57,7 +62,10 @@ def _any(problem: DiscretizedOrbit, z: np.ndarray) -> bool:
 
 
 def passages_of(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Passage, ...]:
-    """The kinds of an orbit's legs, those that soft transitions end among them where z has a motion."""
+    """The kinds of an orbit's legs, those that soft transitions end among them where z has a motion.
+
+    z has the shape (N + 1,).
+    """
     try:
         return tuple(view.piece.passage for view in problem.view(z))
     except (ContwalkError, np.linalg.LinAlgError):
@@ -69,7 +77,10 @@ def _ended(views: tuple[LegView, ...]) -> list[LegView]:
 
 
 def place_of(view: LegView, *, start: bool = False) -> np.ndarray:
-    """All that a map at a leg's end depends on, or at its start: the state, scalars, and parameters."""
+    """All that a map at a leg's end depends on, or at its start: the state, scalars, and parameters.
+
+    Shape (k,).
+    """
     return np.concatenate([view.x if start else view.end, view.piece.values(view.scalars)])
 
 

@@ -39,6 +39,8 @@ def same(orbit: DiscretizedOrbit, a: Sample, b: Sample) -> bool:
 def first_passed(orbit: DiscretizedOrbit, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
     """Number of the first of some states at which a leg of the orbit of z starts; which it passes, if it
     begins anywhere. None if there is none.
+
+    z has the shape (N + 1,), each point (n,).
     """
     periods = np.array([s.period or 0.0 for s in orbit.system.states])
     if not (orbit.word.eventful or orbit.pins):

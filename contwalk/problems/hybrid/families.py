@@ -37,7 +37,10 @@ def active(machine: HybridMachine, lap: Lap) -> list[Neutral]:
 def commutes(
     machine: HybridMachine, neutral: Neutral, mode: str, t: float, x: np.ndarray, scale: np.ndarray
 ) -> bool:
-    """Whether the field of a mode carries a generator along, at a state and at one beside it."""
+    """Whether the field of a mode carries a generator along, at a state and at one beside it.
+
+    x and scale have the shape (n,).
+    """
     flow = machine.mode(mode)
     generator, states = generator_field(machine.system, neutral, mode), flow.states
     c = generator.constants(machine.p)

@@ -23,6 +23,8 @@ def follows(problem: DiscretizedOrbit, z: np.ndarray) -> str | None:
     it meets.
 
     Where deviations grow by so much that no simulation goes round, each segment is simulated by itself.
+
+    z has the shape (N + 1,).
     """
     machine = hybrid_machine(problem.system, problem.values_of(z))
     told = _round(problem, machine, z)

@@ -62,14 +62,20 @@ class Grouping:
         self.soft_rows = np.concatenate(soft).astype(int)
 
     def split(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What is left of unknowns, or of a direction, and what is eliminated."""
+        """What is left of unknowns, or of a direction, and what is eliminated.
+
+        Unknowns have the shape (N + 1,) of the explicit orbit.
+        """
         lasting = unknowns[self._last].copy()
         np.add.at(lasting, self._group_of, unknowns[self._inner])
         own = np.concatenate([unknowns[self._first], lasting, unknowns[self._rest]])
         return own, np.concatenate([unknowns[self._later], unknowns[self._inner]])
 
     def joined(self, own: np.ndarray, soft: np.ndarray) -> np.ndarray:
-        """Explicit unknowns, or a direction of them, of both parts."""
+        """Explicit unknowns, or a direction of them, of both parts.
+
+        The result has the shape (N + 1,) of the explicit orbit.
+        """
         result = np.zeros(self.layout.size + 1)
         states, groups, inner = len(self._first), len(self.groups), len(self._later)
         result[self._first], result[self._rest] = own[:states], own[states + groups :]
@@ -80,7 +86,10 @@ class Grouping:
         return result
 
     def columns(self, jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives by what is left and by what is eliminated, of those by the explicit unknowns."""
+        """Derivatives by what is left and by what is eliminated, of those by the explicit unknowns.
+
+        The jacobian has the shape (N, N + 1) of the explicit orbit.
+        """
         own = np.hstack([jacobian[:, self._first], jacobian[:, self._last], jacobian[:, self._rest]])
         by_inner = jacobian[:, self._inner] - jacobian[:, self._last_of]
         return own, np.hstack([jacobian[:, self._later], by_inner])
@@ -90,6 +99,8 @@ class Grouping:
 
         A little less does no harm: the equations are smooth there, and what the field does meanwhile is not
         felt.
+
+        `lasting` has the shape (m,).
         """
         least = -NO_TIME * float(np.abs(lasting).sum())
         return any(bool(np.any(lasting[group] < least)) for group in self.groups if len(group) > 1)

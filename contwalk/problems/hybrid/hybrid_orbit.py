@@ -113,11 +113,11 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         return (*self.system.observable_names, *quantities.extreme_names(states), *later, MAX_ABS)
 
     def margins(self, z: np.ndarray) -> Margins:
-        """Values of all limits at a solution."""
+        """Values of all limits at a solution. z has the shape (N + 1,)."""
         return self.known.at("margins", z, MOST_VIEWS, lambda: margin_values.margins(self, z))
 
     def stretches(self, z: np.ndarray) -> list[Stretch[LegView]]:
-        """The legs of the whole motion, images included."""
+        """The legs of the whole motion, images included. z has the shape (N + 1,)."""
         there, own = self.explicit(z)
         return there.known.at("stretches", own, MOST_VIEWS, lambda: observing.stretches(there, own))
 
@@ -150,7 +150,10 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         return equations.cost(self)
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
-        """Half the range of each state over the orbit; declared scales where there are any."""
+        """Half the range of each state over the orbit; declared scales where there are any.
+
+        Both have the shape (N + 1,).
+        """
         return metric.magnitudes_near(self, z)
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
@@ -158,7 +161,10 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         return metric.beginnings(self, z)
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
-        """A matrix of these equations and unknowns, and of borders that come last, factored."""
+        """A matrix of these equations and unknowns, and of borders that come last, factored.
+
+        The matrix has the shape (m, m), the weights (m,).
+        """
         return self._factored(matrix, weights)
 
     @property
@@ -190,11 +196,14 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         }
 
     def admissible_at(self, z: np.ndarray) -> bool:
-        """Whether a solution is one that the machine can move on."""
+        """Whether a solution is one that the machine can move on. z has the shape (N + 1,)."""
         return self.margins(z).admissible
 
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
-        """Number of the first of some states that the orbit of z passes, or begins a leg at."""
+        """Number of the first of some states that the orbit of z passes, or begins a leg at.
+
+        z has the shape (N + 1,), each point (n,).
+        """
         return equivalence.first_passed(self, z, points)
 
     def same(self, a: Sample, b: Sample) -> bool:
@@ -202,7 +211,10 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         return equivalence.same(self, a, b)
 
     def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray | None = None) -> bool:
-        """Whether an orbit repeats itself, or is its own image, as its parent does."""
+        """Whether an orbit repeats itself, or is its own image, as its parent does.
+
+        z and tangent have the shape (N + 1,).
+        """
         return least.repetitions(self, z) > 1 or bool(least.own_image(self, z))
 
     # -- along a branch ----------------------------------------------------------------------------------
@@ -225,11 +237,13 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """Jumps of guards and resets that events lie on, and of guards through zero on the way; conditions
         at soft transitions that are not a number.
+
+        z has the shape (N + 1,).
         """
         return *end_maps.lying(self, z), *jumping_limits.along(self, z), *undefined.conditions(self, z)
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
-        """dx/dt at the start."""
+        """dx/dt at the start. z has the shape (N + 1,)."""
         return monodromy.flow_direction(*self.explicit(z), 0)
 
     def adapted(self, sample: Sample) -> tuple[Self, Sample]:
@@ -245,6 +259,8 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     ) -> Self:
         """The problem on steps for the orbit of z; an orbit that is a point yet tells no section of its own.
 
+        z and weights have the shape (N + 1,).
+
         Raises
         ------
         NotFinite
@@ -253,12 +269,18 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         return remesh.adapted_to(self, z, weights, tolerance, section)
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Self:
-        """The same problem, section included, on steps for located points."""
+        """The same problem, section included, on steps for located points.
+
+        z and weights have the shape (N + 1,).
+        """
         there = self.adapted_to(z, weights, tolerance or self.discretization.marking)
         return there.varied(section=self.section)
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """A tangent moved along the flow into the section of an orbit without events."""
+        """A tangent moved along the flow into the section of an orbit without events.
+
+        All have the shape (N + 1,).
+        """
         return remesh.into_section(self, z, tangent)
 
     # -- special points ----------------------------------------------------------------------------------

@@ -63,6 +63,8 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
     """What jumps through zero on the way from one orbit to another, at the ends of legs.
 
     Legs of soft transitions, which may come and go, are compared only where both orbits have the same ones.
+
+    a and b have the shape (N + 1,).
     """
     if not any(True for passage in passages_of(problem, a) for _ in _told_on(passage)):
         return ()
@@ -140,7 +142,10 @@ def pieced_guards(passage: Passage) -> Iterator[tuple[Transition, Told]]:
 
 
 def along(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
-    """Guards that jump through zero on the way of an orbit: where their event happens, or after it has."""
+    """Guards that jump through zero on the way of an orbit: where their event happens, or after it has.
+
+    z has the shape (N + 1,).
+    """
     if not any(passage.guards_jump for passage in passages_of(problem, z)):
         return ()
     return tuple(dict.fromkeys(kink for view in problem.view(z) for kink in _along_leg(problem, view, z)))
@@ -174,7 +179,7 @@ def _jump(course: Course, low: float, high: float, told: Told) -> JumpThroughZer
 
 
 def course_of(problem: DiscretizedOrbit, view: LegView, told: Told, z: np.ndarray) -> Course:
-    """A leg, as one of its guards is looked at."""
+    """A leg, as one of its guards is looked at. z has the shape (N + 1,)."""
     passage, values = view.piece.passage, view.piece.values(view.scalars)
     known = {**problem.values_of(z), **passage.system.mode(passage.leg.mode).constants}
 

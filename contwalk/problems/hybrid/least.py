@@ -30,6 +30,8 @@ def least(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
 
     `problem` itself where there is nothing to leave out. What comes back is discretised for the orbit, and is
     a solution as nearly as its parts were alike.
+
+    z has the shape (N + 1,) of its problem, before and after.
     """
     times = repetitions(problem, z)
     if times > 1:
@@ -39,7 +41,7 @@ def least(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
 
 
 def repetitions(problem: DiscretizedOrbit, z: np.ndarray) -> int:
-    """How many times an orbit goes through the same states."""
+    """How many times an orbit goes through the same states. z has the shape (N + 1,)."""
     return next((times for times in _divisions(problem) if _repeated(problem, z, times)), 1)
 
 
@@ -112,7 +114,10 @@ def _symmetry(problem: DiscretizedOrbit, name: str) -> Symmetry | None:
 
 
 def divided(problem: Kind, z: np.ndarray, times: int) -> tuple[Kind, np.ndarray]:
-    """The problem of the first part of a word that repeats itself, and the same part of the orbit."""
+    """The problem of the first part of a word that repeats itself, and the same part of the orbit.
+
+    z has the shape (N + 1,) of its problem, before and after.
+    """
     if problem.word.eventful:
         return _beginning(problem, z, problem.layout.legs // times, times, problem.word.image)
     layout, whole, z = problem.layout, z, cutting.bare(problem, z)
@@ -143,7 +148,10 @@ def _beginning(problem: Kind, z: np.ndarray, legs: int, times: int, image: str) 
 
 
 def own_image(problem: DiscretizedOrbit, z: np.ndarray) -> str:
-    """The symmetry under which the second half of a whole orbit is the image of the first; empty if none."""
+    """The symmetry under which the second half of a whole orbit is the image of the first; empty if none.
+
+    z has the shape (N + 1,).
+    """
     for symmetry in _swapping(problem, z):
         if _halves_alike(problem, z, symmetry) and _its_image(problem, z, symmetry):
             return symmetry.name
@@ -211,6 +219,8 @@ def unused_symmetries(problem: DiscretizedOrbit, z: np.ndarray) -> str:
 
     That an orbit is not its own image is no reason: the machine is not, or orbits without events are followed
     as they are.
+
+    z has the shape (N + 1,).
     """
     if problem.word.image:
         return ""

@@ -171,7 +171,10 @@ def _typical(problem: DiscretizedOrbit, i: int, transition: Transition, sample: 
 
 
 def typical(view: LegView, transition: Transition, magnitudes: np.ndarray) -> float:
-    """What changes of the states by their magnitudes make of a guard where a leg begins."""
+    """What changes of the states by their magnitudes make of a guard where a leg begins.
+
+    Magnitudes have the shape (n,).
+    """
     slopes = at_entry(view.piece, transition, view.x, view.scalars)[1][: len(view.x)]
     return float(np.abs(slopes) @ magnitudes[list(view.piece.passage.states)])
 

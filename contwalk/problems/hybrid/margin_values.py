@@ -118,7 +118,7 @@ class _Watch:
 
 
 def margins(problem: DiscretizedOrbit, z: np.ndarray) -> Margins:
-    """Values of all limits at a solution."""
+    """Values of all limits at a solution. z has the shape (N + 1,)."""
     views = problem.view(z)
     rows: list[tuple[float, float, float]] = []
     known: dict[tuple[int, str], _Watch] = {}
@@ -166,7 +166,10 @@ def _entered(problem: DiscretizedOrbit, limit: Limit, view: LegView) -> tuple[fl
 def at_entry(
     piece: Piece, transition: Transition, x: np.ndarray, scalars: np.ndarray
 ) -> tuple[float, np.ndarray]:
-    """A guard at the start of a leg, and its derivatives by the state and the scalars."""
+    """A guard at the start of a leg, and its derivatives by the state and the scalars.
+
+    x has the shape (n_i,), scalars (k,), the derivatives (n_i + k,).
+    """
     watched = piece.passage.watched(transition.name, transition.guard)
     own = np.eye(len(x), len(x) + len(scalars))
     values, derivative = watched.differentiated(0.0, x, own, piece.values(scalars))
@@ -225,7 +228,10 @@ def _goes_on(transition: Transition | None) -> bool:
 
 
 def largest(values: np.ndarray, rates: np.ndarray, duration: float, total: float) -> float:
-    """Largest modulus of a guard on a leg of at least a little time; rates are over the leg's own time."""
+    """Largest modulus of a guard on a leg of at least a little time; rates are over the leg's own time.
+
+    Both have the shape (k,).
+    """
     return _largest(float(np.abs(values).max()), float(np.abs(rates).max()), duration, total)
 
 

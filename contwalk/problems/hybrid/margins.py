@@ -81,7 +81,7 @@ class Margins:
 
     @property
     def relative(self) -> np.ndarray:
-        """Values in units of their scales, at most one in modulus."""
+        """Values in units of their scales, at most one in modulus. Shape (l,)."""
         return np.clip(self.values / self.scales, -1.0, 1.0)
 
     @property

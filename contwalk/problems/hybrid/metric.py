@@ -12,7 +12,10 @@ from contwalk.system.declarations import ParameterValues
 
 
 def magnitudes_near(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
-    """Half the range of each state over the orbit; declared scales where there are any."""
+    """Half the range of each state over the orbit; declared scales where there are any.
+
+    Both have the shape (N + 1,).
+    """
     every = np.concatenate([view.full(view.nodes) for view in orbit.view(z)])
     half = 0.5 * np.ptp(every, axis=0)
     if orbit.word.image and not np.all(half > 0.0):  # held until the image follows
@@ -44,7 +47,10 @@ def _images(orbit: DiscretizedOrbit, z: np.ndarray, states: np.ndarray) -> np.nd
 
 
 def drift_scales(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
-    """Drifts that move states by their variation in a closure, or those that there are, if larger."""
+    """Drifts that move states by their variation in a closure, or those that there are, if larger.
+
+    z has the shape (N + 1,), the drifts (k,).
+    """
     x, variation = orbit.first_state(z), orbit.mesh.variation
     along = neutrals.directions(orbit.system, orbit.pins, x, orbit.values_of(z)) / variation[:, None]
     typical = 1.0 / (np.linalg.norm(along, axis=0) * abs(orbit.duration(z)))

@@ -30,6 +30,8 @@ class Span:
     """A leg as it was passed: when and where it starts, how long it lasts, and where its event finds it.
 
     `state` is the one at its start, `end` the one before the event.
+
+    Both have the shape (n,).
     """
 
     leg: Leg
@@ -46,14 +48,20 @@ def carries(
     later: float,
     scale: np.ndarray,
 ) -> bool:
-    """Whether fields, guards and resets along some legs are their own images `later` seconds on."""
+    """Whether fields, guards and resets along some legs are their own images `later` seconds on.
+
+    `scale` has the shape (n,).
+    """
     return not any(why_not_carried(machine, symmetry, span, later, scale) for span in spans)
 
 
 def why_not_carried(
     machine: HybridMachine, symmetry: Symmetry, span: Span, later: float, scale: np.ndarray
 ) -> str:
-    """What of a leg is not its own image `later` seconds on; empty where all is."""
+    """What of a leg is not its own image `later` seconds on; empty where all is.
+
+    `scale` has the shape (n,).
+    """
     if not field_carried(machine, symmetry, span, later, scale):
         return f"the field of mode '{span.leg.mode}'"
     if not transition_carried(machine, symmetry, span, later, scale):
@@ -62,7 +70,10 @@ def why_not_carried(
 
 
 def beside(x: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """A state off a given one in all directions: where a leg begins or ends something may be zero."""
+    """A state off a given one in all directions: where a leg begins or ends something may be zero.
+
+    All have the shape (n,).
+    """
     return x + OFF * scale * np.cos(np.arange(1.0, len(x) + 1.0))
 
 
@@ -75,7 +86,7 @@ def _close(a: np.ndarray, b: np.ndarray) -> bool:
 def field_carried(
     machine: HybridMachine, symmetry: Symmetry, span: Span, later: float, scale: np.ndarray
 ) -> bool:
-    """Whether the field is carried, tried near the start of a leg."""
+    """Whether the field is carried, tried near the start of a leg. `scale` has the shape (n,)."""
     mode = span.leg.mode
     here, there = machine.mode(mode), machine.mode(symmetry.modes.get(mode, mode))
     p, t = ParameterValues(**machine.parameters), span.start + INTO * span.duration
@@ -94,7 +105,10 @@ def field_carried(
 def transition_carried(
     machine: HybridMachine, symmetry: Symmetry, span: Span, later: float, scale: np.ndarray
 ) -> bool:
-    """Whether reset and guard are carried: a guard may be the other's negative, if it is passed that way."""
+    """Whether reset and guard are carried: a guard may be the other's negative, if it is passed that way.
+
+    `scale` has the shape (n,).
+    """
     if span.leg.transition is None:
         return True
     if not has_image(machine.system, symmetry, span.leg):

@@ -26,7 +26,10 @@ NOTHING = 1e-6
 
 
 def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch[LegView]]:
-    """The legs of the whole motion; of an orbit that closes up to a symmetry, their images follow."""
+    """The legs of the whole motion; of an orbit that closes up to a symmetry, their images follow.
+
+    z has the shape (N + 1,).
+    """
     # What is returned is kept with the problem, and does not keep it.
     views, word, system, pins = problem.view(z), problem.word, problem.system, problem.pins
     drifts, values = z[problem.layout.drifts], problem.values_of(z)
@@ -73,7 +76,7 @@ def visits(problem: DiscretizedOrbit) -> int:
 
 
 def visited(problem: DiscretizedOrbit, z: np.ndarray) -> list[float]:
-    """States at all of these events but the first, one after the other."""
+    """States at all of these events but the first, one after the other. z has the shape (N + 1,)."""
     if visits(problem) < 2:
         return []
     name, side = _reporting(problem)
@@ -90,7 +93,7 @@ def _reporting(problem: DiscretizedOrbit) -> tuple[str, str]:
 
 
 def value(problem: DiscretizedOrbit, name: str, z: np.ndarray) -> float:
-    """The value of one observable."""
+    """The value of one observable. z has the shape (N + 1,)."""
     found = problem.multipliers(z, problem.linearize(z).jacobian)
     told = quantities.column(name, problem.observable_names, problem.observables(z, found))
     assert told is not None, name
@@ -98,7 +101,7 @@ def value(problem: DiscretizedOrbit, name: str, z: np.ndarray) -> float:
 
 
 def values(problem: DiscretizedOrbit, z: np.ndarray, found: Multipliers) -> list[float]:
-    """Values of `observable_names`."""
+    """Values of `observable_names`. z has the shape (N + 1,)."""
     problem, z = problem.explicit(z)
     margins = problem.margins(z)
     p = ParameterValues(**problem.values_of(z))
@@ -127,6 +130,8 @@ def split(multipliers: np.ndarray) -> float:
 
     It is smooth where two real multipliers meet and become a pair, and passes zero there. Those that are zero
     but for errors, of what a motion forgets, are left out.
+
+    Shape (m,).
     """
     best, finite = np.nan, multipliers[np.isfinite(multipliers) & (np.abs(multipliers) > NOTHING)]
     for k, a in enumerate(finite):
@@ -142,7 +147,10 @@ def split(multipliers: np.ndarray) -> float:
 def at_event(
     problem: DiscretizedOrbit, z: np.ndarray, name: str, side: str
 ) -> tuple[float, np.ndarray] | None:
-    """Time and full state before or after the first event of a name; None if the orbit has none."""
+    """Time and full state before or after the first event of a name; None if the orbit has none.
+
+    z has the shape (N + 1,), the state (n,).
+    """
     found = problem.stretches(z)
     for k in range(-1, len(found) - 1):
         if found[k].name == name:
@@ -170,7 +178,10 @@ def reported(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
 
 
 def held(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """A state moved along the pinned directions to where these are held."""
+    """A state moved along the pinned directions to where these are held.
+
+    z has the shape (N + 1,), states (n,).
+    """
     values = problem.values_of(z)
     for pin, v in zip(
         problem.pins, neutrals.directions(problem.system, problem.pins, x, values).T, strict=True
@@ -223,7 +234,10 @@ def _refined(stretch: Stretch[LegView], place: Place, turn: float, near: float) 
 
 
 def growth(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
-    """By how much each state is larger after the whole motion: turns of angles, and drifts."""
+    """By how much each state is larger after the whole motion: turns of angles, and drifts.
+
+    z has the shape (N + 1,), the growth (n,).
+    """
     x, values = orbit.first_state(z), orbit.values_of(z)
     drift = (
         -orbit.duration(z) * neutrals.directions(orbit.system, orbit.pins, x, values) @ z[orbit.layout.drifts]

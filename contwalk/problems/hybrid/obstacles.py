@@ -16,7 +16,10 @@ STILL = 1e-9
 
 
 def obstacle(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
-    """Where the field is smooth by pieces only, or over which leg deviations grow."""
+    """Where the field is smooth by pieces only, or over which leg deviations grow.
+
+    z has the shape (N + 1,).
+    """
     kink = next(iter(kinks_along(orbit, z)), None)
     if kink is not None:
         return kink.sentence("orbits")

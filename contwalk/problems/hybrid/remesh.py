@@ -31,6 +31,8 @@ def adapted_to(
 ) -> Kind:
     """The problem on steps for the orbit of z; an orbit that is a point yet tells no section of its own.
 
+    z and weights have the shape (N + 1,).
+
     Raises
     ------
     NotFinite
@@ -114,7 +116,10 @@ def _corrected(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
 
 
 def into_section(orbit: Kind, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-    """A tangent moved along the flow into the section of an orbit without events."""
+    """A tangent moved along the flow into the section of an orbit without events.
+
+    All have the shape (N + 1,).
+    """
     if orbit.word.eventful or orbit.forced:
         return tangent
     assert orbit.section is not None

@@ -56,7 +56,10 @@ class SoftEquations(HybridOrbit):
         return False
 
     def around(self, explicit: HybridOrbit, unknowns: np.ndarray) -> Self:
-        """This problem on the steps of an explicit orbit, which is discretised."""
+        """This problem on the steps of an explicit orbit, which is discretised.
+
+        Unknowns have the shape (N + 1,) of the explicit orbit.
+        """
         grouping = Grouping(explicit.word, explicit.layout)
         other = self.varied(_mesh=explicit.mesh, section=explicit.section, _further=())
         other._inner = Eliminated(explicit, grouping, *grouping.split(unknowns))
@@ -64,6 +67,8 @@ class SoftEquations(HybridOrbit):
 
     def explicit(self, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
         """The explicit orbit and its unknowns at z, those between soft transitions solved for.
+
+        Both have the shape (N + 1,) of their problem.
 
         Raises
         ------
@@ -80,6 +85,8 @@ class SoftEquations(HybridOrbit):
 
     def remeshed(self, z: np.ndarray) -> Self:
         """This problem with the soft transitions that are met over z beside those that it knows.
+
+        z has the shape (N + 1,).
 
         Raises
         ------
@@ -143,6 +150,8 @@ class SoftEquations(HybridOrbit):
     ) -> Self:
         """The problem with the soft transitions, and on steps, for the orbit of z; `section` as of any orbit.
 
+        z and weights have the shape (N + 1,).
+
         Raises
         ------
         NotFinite
@@ -162,7 +171,10 @@ class SoftEquations(HybridOrbit):
         return there
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Self:
-        """The same problem, section included, on steps for located points."""
+        """The same problem, section included, on steps for located points.
+
+        z and weights have the shape (N + 1,).
+        """
         there = self.adapted_to(z, weights, tolerance or self.discretization.marking)
         if self.section is None:
             return there
@@ -182,7 +194,10 @@ class SoftEquations(HybridOrbit):
         return result
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
-        """Half the range of each state over the orbit; declared scales where there are any."""
+        """Half the range of each state over the orbit; declared scales where there are any.
+
+        Both have the shape (N + 1,).
+        """
         explicit, unknowns = self.explicit(z)
         found, layout, own = explicit.magnitudes_near(unknowns), explicit.layout, self.layout
         share, result = np.sqrt(own.legs / layout.legs), np.full(self.size + 1, np.nan)
@@ -221,21 +236,21 @@ class SoftEquations(HybridOrbit):
         return there
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
-        """A bordered Jacobian, factored."""
+        """A bordered Jacobian, factored. The matrix has the shape (m, m), the weights (m,)."""
         return Factored(matrix, weights)
 
     def errors_at(self, z: np.ndarray) -> np.ndarray:
-        """Estimated error of each equation at a solution."""
+        """Estimated error of each equation at a solution. z has the shape (N + 1,), the errors (N,)."""
         there = self._at(z)
         return there.levels(there.explicit.errors_at(there.unknowns))
 
     def pieces_of(self, z: np.ndarray, i: int) -> list[LegView]:
-        """Leg i looked at, piece by piece."""
+        """Leg i looked at, piece by piece. z has the shape (N + 1,)."""
         views = self.view(z)
         return [views[k] for k in self._at(z).grouping.groups[i]]
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers of the closure."""
+        """Multipliers of the closure. z has the shape (N + 1,), the jacobian (N, N + 1)."""
         explicit, unknowns = self.explicit(z)
         return explicit.multipliers(unknowns, explicit.jacobian(unknowns))
 
@@ -245,7 +260,7 @@ class SoftEquations(HybridOrbit):
         return softness.limits_of(self.system, self.word)
 
     def margins(self, z: np.ndarray) -> Margins:
-        """Values of all limits at a solution."""
+        """Values of all limits at a solution. z has the shape (N + 1,)."""
         there = self._at(z)
         found = there.explicit.margins(there.unknowns)
         chosen = [self._least(there.grouping, found, limit) for limit in self.limits]

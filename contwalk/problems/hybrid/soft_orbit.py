@@ -47,7 +47,10 @@ class SoftOrbit(SoftEquations):
         before: int | None,
         known: Sample | None = None,
     ) -> Sample:
-        """Everything that is watched at a solution; see `HybridOrbit.examine`."""
+        """Everything that is watched at a solution; see `HybridOrbit.examine`.
+
+        z, tangent and weights have the shape (N + 1,).
+        """
         unit = tangent / float(np.linalg.norm(tangent / weights))
         there = self._at(z)
         explicit, unknowns = there.explicit, there.unknowns
@@ -141,7 +144,7 @@ class SoftOrbit(SoftEquations):
         return explicit.rate(name, own) * length
 
     def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
-        """At a branch point, the tangent of the branch that `near` is on."""
+        """At a branch point, the tangent of the branch that `near` is on. Shape (N + 1,)."""
         explicit, own, _ = self._explicit_sample(near)
         under = located.vectors["explicit"]
         if under.problem.word != explicit.word:

@@ -56,7 +56,10 @@ def hard_word(word: Word) -> Word:
 
 
 def begun(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
-    """The same orbit, not beginning with a soft transition: right after a hard one, or between events."""
+    """The same orbit, not beginning with a soft transition: right after a hard one, or between events.
+
+    z has the shape (N + 1,) of its problem, before and after.
+    """
     hard = [i for i, leg in enumerate(problem.word.legs) if not leg.soft]
     if not hard:
         return _between(problem, z)
@@ -104,6 +107,8 @@ def passed(
     problem: DiscretizedOrbit, z: np.ndarray, magnitudes: np.ndarray
 ) -> tuple[Word, list[np.ndarray], list[float]]:
     """The explicit word over z, with full states at the starts of its legs and their durations.
+
+    z has the shape (N + 1,), magnitudes (n,), each state (n,).
 
     Raises
     ------
@@ -167,7 +172,10 @@ def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray, 
 
 
 def holds(explicit: DiscretizedOrbit, unknowns: np.ndarray) -> bool:
-    """Whether the soft transitions of an orbit are those that the machine meets: no guard is past zero."""
+    """Whether the soft transitions of an orbit are those that the machine meets: no guard is past zero.
+
+    Unknowns have the shape (N + 1,) of the explicit orbit.
+    """
     for view in explicit.view(unknowns):
         for k, transition in enumerate(view.piece.passage.leaving):
             sign = {"falling": 1.0, "rising": -1.0}.get(transition.direction, 0.0)

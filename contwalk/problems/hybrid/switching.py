@@ -40,6 +40,8 @@ def discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None = 
 
     A solution at rest may be a rounding of zero, which is no scale. What its states are measured in is known
     where the problem, or the parent that it is an orbit of, has been walked along.
+
+    z has the shape (N + 1,).
     """
     problem = problem.fitting(z)
     layout = problem.layout
@@ -87,6 +89,8 @@ def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
 
     Where the second round is the image of the first, as where a symmetry keeps every state of the parent and
     reverses the critical vector, it is one round that closes up to that image.
+
+    z has the shape (N + 1,).
     """
     matrix = variations.cycle_matrix(problem, problem.linearize(z).jacobian, -1.0)
     v = null_vectors(problem, matrix, *cycle_scales(problem))[0].real
@@ -125,7 +129,7 @@ def _reverses(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, symmetry:
 
 
 def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
-    """The orbit without the symmetry that its parent closes up to."""
+    """The orbit without the symmetry that its parent closes up to. z has the shape (N + 1,)."""
     other, symmetry = (
         problem.of_word(problem.word.unfolded(problem.system)),
         problem.system.symmetry(problem.word.image),
@@ -214,7 +218,10 @@ def _held(
 
 
 def shifted(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
-    """An orbit that is right but for drifts and for its starts along pinned directions, with these."""
+    """An orbit that is right but for drifts and for its starts along pinned directions, with these.
+
+    Both have the shape (N + 1,).
+    """
     z, rows = z.copy(), problem.equation_scales
     if not problem.pins:
         return z
@@ -228,7 +235,10 @@ def shifted(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
 
 
 def rotated(problem: Kind, z: np.ndarray, first: int) -> tuple[Kind, np.ndarray]:
-    """The same orbit, beginning with another leg: of half a cycle, images of what came before follow."""
+    """The same orbit, beginning with another leg: of half a cycle, images of what came before follow.
+
+    Both have the shape (N + 1,).
+    """
     layout, image, system = problem.layout, problem.word.image, problem.system
     symmetry, p = system.symmetry(image) if image else None, ParameterValues(**problem.values_of(z))
     states = [passage.full(z[place]) for passage, place in zip(problem.passages, layout.states, strict=True)]

@@ -21,6 +21,8 @@ BREAKDOWNS = (NotFinite, PluginError, np.linalg.LinAlgError)
 def where(problem: DiscretizedOrbit, z: np.ndarray) -> str:
     """`The NAME: file, line n: what` of the first function without a value on the way of z; empty if all have
     one.
+
+    z has the shape (N + 1,).
     """
     if not np.isfinite(z).all():
         return ""
@@ -35,6 +37,8 @@ def refuse_guards(problem: DiscretizedOrbit, z: np.ndarray, margins: Margins) ->
     """Raise for an orbit on which a guard out of a leg's mode has no value, whether it ends the leg or not.
 
     Nothing tells then whether its event happens. Conditions, at which nothing happens, are told otherwise.
+
+    z has the shape (N + 1,).
 
     Raises
     ------

@@ -156,7 +156,7 @@ def _cubic(a: Sample, b: Sample) -> Callable[[float], np.ndarray]:
 
 
 def arrival(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> float:
-    """How fast the guard that ends leg i arrives."""
+    """How fast the guard that ends leg i arrives. z has the shape (N + 1,)."""
     transition, piece = orbit.word.legs[i].transition, orbit.pieces_of(z, i)[-1]
     assert transition is not None
     # Where soft transitions come and go, the leg ends in another mode than the word was read off in.
@@ -165,14 +165,17 @@ def arrival(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> float:
 
 
 def reach(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> float:
-    """Largest value, at the steps, of the guard that ends leg i."""
+    """Largest value, at the steps, of the guard that ends leg i. z has the shape (N + 1,)."""
     transition = orbit.word.legs[i].transition
     assert transition is not None
     return max(piece.size_at_steps(transition) for piece in orbit.pieces_of(z, i))
 
 
 def typical_guard(orbit: DiscretizedOrbit, z: np.ndarray, magnitudes: np.ndarray, i: int) -> float:
-    """What typical changes of the states, `magnitudes_of` weights, make of the guard that ends leg i."""
+    """What typical changes of the states, `magnitudes_of` weights, make of the guard that ends leg i.
+
+    z has the shape (N + 1,), magnitudes (n,).
+    """
     transition = orbit.word.legs[i].transition
     assert transition is not None
     return limit_points.typical(orbit.pieces_of(z, i)[-1], transition, magnitudes)

@@ -83,12 +83,12 @@ class LegView:
 
     @computed_once
     def constants(self) -> np.ndarray:
-        """What its field takes from them."""
+        """What its field takes from them. Shape (c,)."""
         return self.piece.passage.field(PLAIN).constants(self._values)
 
     @computed_once
     def times(self) -> np.ndarray:
-        """Sampled instants in 0..1, the steps' own among them."""
+        """Sampled instants in 0..1, the steps' own among them. Shape (k,)."""
         return sampled(self.piece.steps)
 
     @computed_once
@@ -104,17 +104,23 @@ class LegView:
 
     @computed_once
     def at(self) -> Callable[[np.ndarray], np.ndarray]:
-        """States of the mode at any instants in 0..1, a function of these."""
+        """States of the mode at any instants in 0..1, a function of these.
+
+        Times have the shape (k,), states (k, n_i).
+        """
         field = self.piece.passage.field(PLAIN)
         return flow.interpolation(field, self.constants, self.piece.steps, self.nodes, self.piece.method)
 
     @property
     def end(self) -> np.ndarray:
-        """State of the mode at the end, before the transition."""
+        """State of the mode at the end, before the transition. Shape (n_i,)."""
         return self.nodes[-1]
 
     def stepped(self, share: float) -> np.ndarray:
-        """State of the mode at an instant in 0..1 to which the last step is cut: no interpolation."""
+        """State of the mode at an instant in 0..1 to which the last step is cut: no interpolation.
+
+        Shape (n_i,).
+        """
         if self.segments:
             segment, piece, x, scalars = next(own for own in reversed(self.segments) if own[0].begin <= share)
             share = (share - segment.begin) / (segment.end - segment.begin)
@@ -124,11 +130,14 @@ class LegView:
         return piece.before(PLAIN, self.x, np.concatenate([[self.duration * share], self.scalars[1:]]))
 
     def full(self, x: np.ndarray) -> np.ndarray:
-        """States of the mode as states of the system."""
+        """States of the mode as states of the system. Shape (n_i,) or (k, n_i), and (n,) or (k, n)."""
         return self.piece.passage.full(x)
 
     def guard(self, transition: Transition) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Instants in 0..1, a transition's guard there, and its rate over the leg's own time."""
+        """Instants in 0..1, a transition's guard there, and its rate over the leg's own time.
+
+        Shape (k,) each.
+        """
         k = self.piece.passage.leaving.index(transition)
         times, guards = self._early if k in self.left else (self.times, self._guards)
         return times, guards[:, 2 * k], guards[:, 2 * k + 1]
@@ -255,7 +264,10 @@ class LegView:
 
     @computed_once
     def motion(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times in seconds and full states, with the instants at which a state is extreme."""
+        """Times in seconds and full states, with the instants at which a state is extreme.
+
+        Shapes (k,) and (k, n).
+        """
         turns = _extrema(self.times, self.states, self.rates)
         times, states = self.times, self.states
         if len(turns):
@@ -280,7 +292,10 @@ class LegView:
         return Smooth(self.times, self.full(self.states), self.full(self.rates), at, rate_at)
 
     def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """Instants in 0..1, `number` of them evenly spread and the steps' own, and states there."""
+        """Instants in 0..1, `number` of them evenly spread and the steps' own, and states there.
+
+        Shapes (k,) and (k, n_i).
+        """
         times = np.union1d(self.piece.steps, np.linspace(0.0, 1.0, number))
         return times, self.piece.at(self.nodes, times, self.scalars)
 

@@ -44,12 +44,12 @@ class Near(Protocol):
 
     @property
     def z(self) -> np.ndarray:
-        """The unknowns."""
+        """The unknowns. Shape (N + 1,)."""
         ...
 
     @property
     def weights(self) -> np.ndarray:
-        """Typical magnitudes."""
+        """Typical magnitudes. Shape (N + 1,)."""
         ...
 
 

@@ -19,13 +19,16 @@ SINGULAR = 1e-9
 
 
 def filled_magnitudes(problem: OrbitData, z: np.ndarray) -> np.ndarray:
-    """Typical magnitudes at z, one where nothing tells."""
+    """Typical magnitudes at z, one where nothing tells. Both have the shape (N + 1,)."""
     magnitudes = problem.magnitudes_near(z)
     return np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
 
 
 def directions(problem: OrbitData, located: Located, weights: np.ndarray) -> list[np.ndarray]:
-    """Tangents of the two branches through a branch point, each a unit vector in the metric."""
+    """Tangents of the two branches through a branch point, each a unit vector in the metric.
+
+    Each has the shape (N + 1,), as the weights have.
+    """
     there = located.problem if located.problem is not None else problem
     vectors, z = located.vectors, located.z
     if "plane" not in vectors:
@@ -46,7 +49,10 @@ def directions(problem: OrbitData, located: Located, weights: np.ndarray) -> lis
 
 
 def tangent_through(problem: OrbitData, located: Located, near: Sample) -> np.ndarray | None:
-    """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way."""
+    """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way.
+
+    Shape (N + 1,).
+    """
     found = directions(problem, located, near.weights)
     if not found:
         return None
@@ -56,7 +62,7 @@ def tangent_through(problem: OrbitData, located: Located, near: Sample) -> np.nd
 
 
 def crossing(problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-    """The branch that crosses, along the tangent that the parent does not have."""
+    """The branch that crosses, along the tangent that the parent does not have. z has the shape (N + 1,)."""
     weights = filled_magnitudes(problem, z)
     jacobian = problem.linearize(z).jacobian
     rows = problem.equation_scales
@@ -75,7 +81,7 @@ def crossing(problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]
 
 
 def second_direction(problem: OrbitData, z: np.ndarray) -> np.ndarray | None:
-    """A second direction of solutions, where there is one to rounding."""
+    """A second direction of solutions, where there is one to rounding. Both have the shape (N + 1,)."""
     jacobian = problem.linearize(z).jacobian
     weights = filled_magnitudes(problem, z)
     rows = problem.equation_scales
@@ -84,7 +90,10 @@ def second_direction(problem: OrbitData, z: np.ndarray) -> np.ndarray | None:
 
 
 def amplitude(tangent: np.ndarray) -> Callable[[float], np.ndarray]:
-    """How far unknowns move along a branch that begins at a right angle: the orbit's own size bounds it."""
+    """How far unknowns move along a branch that begins at a right angle: the orbit's own size bounds it.
+
+    The tangent and what is moved have the shape (N + 1,).
+    """
 
     def reach(change: float) -> np.ndarray:
         moved = np.abs(tangent) / max(float(np.abs(tangent).max()), 1e-300)

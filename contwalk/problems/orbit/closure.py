@@ -34,7 +34,10 @@ def images_of(
 
 
 def order_of(symmetry: Symmetry, x: np.ndarray, parameters: ParameterValues) -> int | None:
-    """The smallest q with S^q = identity, tried at a state; None if there is none up to `MOST_ORDER`."""
+    """The smallest q with S^q = identity, tried at a state; None if there is none up to `MOST_ORDER`.
+
+    x has the shape (n,).
+    """
     generic = x + (1.0 + np.abs(x)) * np.cos(np.arange(1.0, len(x) + 1.0))
     image = generic
     for q in range(1, MOST_ORDER + 1):

@@ -62,9 +62,12 @@ class ClosureView:
         return Smooth(times, states, self.curve.rates(times, states), self.curve.at, self.curve.rates)
 
     def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """Instants in 0..1, at least `number` of them evenly spread and the steps' own, and states there."""
+        """Instants in 0..1, at least `number` of them evenly spread and the steps' own, and states there.
+
+        Shapes (k,) and (k, n).
+        """
         return self.curve.sampled(number)
 
     def full(self, x: np.ndarray) -> np.ndarray:
-        """All states exist."""
+        """All states exist. Shape (n,) or (k, n)."""
         return x

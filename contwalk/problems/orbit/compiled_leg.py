@@ -103,7 +103,10 @@ class CompiledLeg(TracedLeg):
         return self._compiled(("end", lift, True), self.end_program, lift, ORDERS[lift] * width)
 
     def full(self, x: np.ndarray) -> np.ndarray:
-        """States of the mode (k, n_i) or (n_i,) as states of the system; those that do not exist are zero."""
+        """States of the mode (k, n_i) or (n_i,) as states of the system; those that do not exist are zero.
+
+        Shape (n_i,) or (k, n_i), and (n,) or (k, n).
+        """
         if self._every:
             return np.array(x, dtype=float)
         result = np.zeros((*x.shape[:-1], len(self.system.states)))

@@ -91,7 +91,10 @@ class Deviations:
         return np.array(normals)[:, list(problem.passages[0].states)]
 
     def full(self, start: np.ndarray) -> np.ndarray:
-        """A deviation at the start, of all states of the system; those that do not exist there are zero."""
+        """A deviation at the start, of all states of the system; those that do not exist there are zero.
+
+        Shapes (n_0,) and (n,).
+        """
         passage = self.problem.passages[0]
         return passage.full(start.real) + 1j * passage.full(start.imag)
 
@@ -140,7 +143,7 @@ class Deviations:
         return found
 
     def after(self, start: np.ndarray) -> np.ndarray:
-        """The deviation after a closure."""
+        """The deviation after a closure. Shape (n_0,)."""
         for i in range(self.legs):
             start = self._through(i, start)
         return start

@@ -27,14 +27,20 @@ class OrbitDiagnosis(ABC):
 
     @abstractmethod
     def obstacle(self, z: np.ndarray) -> str:
-        """What makes orbits beside z hard to find, and what helps; empty if nothing is known of that."""
+        """What makes orbits beside z hard to find, and what helps; empty if nothing is known of that.
+
+        z has the shape (N + 1,).
+        """
 
     @abstractmethod
     def without_value(self, z: np.ndarray) -> str:
-        """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found."""
+        """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found.
+
+        z has the shape (N + 1,).
+        """
 
     def explain(self, z: np.ndarray) -> str:
-        """Where a residual at z is not finite."""
+        """Where a residual at z is not finite. z has the shape (N + 1,)."""
         known = self.without_value(z).removesuffix(".")
         return known or "the motion from there ends or grows without bound within one period"
 
@@ -47,5 +53,5 @@ class OrbitDiagnosis(ABC):
         return b.kinks
 
     def many_branches(self, z: np.ndarray) -> bool:
-        """Whether more than one branch passes through a solution, to rounding."""
+        """Whether more than one branch passes through a solution, to rounding. z has the shape (N + 1,)."""
         return branching.second_direction(self._orbit, z) is not None

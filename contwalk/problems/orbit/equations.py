@@ -36,7 +36,10 @@ def residual(orbit: OrbitData, z: np.ndarray) -> np.ndarray:
 
 
 def with_derivatives(orbit: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
-    """F(z), DF(z), and the states at the steps of each segment."""
+    """F(z), DF(z), and the states at the steps of each segment.
+
+    z has the shape (N + 1,), F (N,), DF (N, N + 1), states (s, n_i).
+    """
     layout, nodes = orbit.layout, []
     residual, jacobian = np.zeros(orbit.size), np.zeros((orbit.size, orbit.size + 1))
     for segment, (along, end, moved) in zip(layout.segments, orbit.passes(z), strict=True):
@@ -84,7 +87,10 @@ def _closed(orbit: OrbitData, z: np.ndarray, residual: np.ndarray, jacobian: np.
 
 
 def phase(orbit: OrbitData, z: np.ndarray, row: np.ndarray) -> float:
-    """What fixes the phase where no event does; its gradient is written into `row`."""
+    """What fixes the phase where no event does; its gradient is written into `row`.
+
+    z and the row have the shape (N + 1,).
+    """
     if orbit.reference_orbit is not None:
         return _against(orbit, orbit.reference_orbit, z, row)
     if orbit.layout.start is not None:  # forced: it is looked at when the force begins its period
@@ -96,7 +102,10 @@ def phase(orbit: OrbitData, z: np.ndarray, row: np.ndarray) -> float:
 
 
 def period_of(orbit: OrbitData, z: np.ndarray, lift: str = PLAIN, *directions: np.ndarray) -> Any:
-    """Duration of the closure of a forced orbit, and its derivative by the free parameter."""
+    """Duration of the closure of a forced orbit, and its derivative by the free parameter.
+
+    z has the shape (N + 1,).
+    """
     own, direction = orbit.line.own, orbit.line.direction
     given = np.concatenate([orbit.line.constants, *directions])
     value, slope = period_and_slope(orbit.system, own, direction, float(z[-1]), given, lift)
@@ -117,6 +126,8 @@ def _against(orbit: OrbitData, reference: Reference, z: np.ndarray, row: np.ndar
 def pinned(orbit: OrbitData, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
     """Residual of a pinned direction, at the start of the first leg; its gradient is written
     into `row`.
+
+    z and the row have the shape (N + 1,).
     """
     place = orbit.layout.states[0]
     normal, apart = orbit.held(pin, orbit.first_state(z), orbit.values_of(z))
@@ -142,7 +153,10 @@ def dear(orbit: OrbitData) -> bool:
 
 
 def levels(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
-    """What of each residual is rounding, or error of the steps."""
+    """What of each residual is rounding, or error of the steps.
+
+    z has the shape (N + 1,), the jacobian (N, N + 1), the levels (N,).
+    """
     steps = max(len(times) for times in orbit.mesh.steps)
     terms = np.abs(jacobian) @ np.abs(z)
     for segment in orbit.layout.segments:  # the identity may have cancelled in the Jacobian
@@ -156,7 +170,7 @@ def levels(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
 
 
 def errors(orbit: OrbitData, linearization: Linearization) -> np.ndarray:
-    """Estimated error of each equation: that of the steps, beside what it is solved to."""
+    """Estimated error of each equation: that of the steps, beside what it is solved to. Shape (N,)."""
     errors = linearization.levels[0].copy()
     steps = GLOBAL * orbit.mesh.amplified * orbit.mesh.tolerance * orbit.equation_scales
     steps[orbit.layout.exact] = 0.0

@@ -20,11 +20,14 @@ class Evaluations:
         self._once: dict[str, Any] = {}
 
     def at(self, what: str, z: np.ndarray, most: int, make: Callable[[], Value]) -> Value:
-        """What is known of a solution; made if nothing is, and kept in place of the oldest of `most`."""
+        """What is known of a solution; made if nothing is, and kept in place of the oldest of `most`.
+
+        z has the shape (N + 1,).
+        """
         return remembered(self._at.setdefault(what, {}), z.tobytes(), most, make)
 
     def found(self, what: str, z: np.ndarray) -> Any:
-        """What is known of a solution, or None; nothing is made."""
+        """What is known of a solution, or None; nothing is made. z has the shape (N + 1,)."""
         return self._at.get(what, {}).get(z.tobytes())
 
     def once(self, what: str, make: Callable[[], Value]) -> Value:

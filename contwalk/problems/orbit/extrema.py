@@ -105,7 +105,7 @@ def extremes_of(stretches: Sequence[Smooth], own: Sequence[np.ndarray]) -> tuple
 
 
 def sampled(steps: np.ndarray) -> np.ndarray:
-    """Instants within steps, their ends among them."""
+    """Instants within steps, their ends among them. Steps have the shape (s + 1,), instants (4 s + 1,)."""
     found = np.empty(PARTS * (len(steps) - 1) + 1)
     parts = (steps[1:] - steps[:-1])[:, None] * _SHARES
     found[:-1] = (steps[:-1, None] + parts).ravel()
@@ -116,7 +116,10 @@ def sampled(steps: np.ndarray) -> np.ndarray:
 def turns(
     a: np.ndarray, b: np.ndarray, va: np.ndarray, vb: np.ndarray, ra: np.ndarray, rb: np.ndarray
 ) -> np.ndarray:
-    """Where the cubics through two values with their rates, of opposite signs, turn between them."""
+    """Where the cubics through two values with their rates, of opposite signs, turn between them.
+
+    All have the shape (k,).
+    """
     h, steepest = b - a, np.maximum(np.abs(ra), np.abs(rb))
     # In units in which no product of two overflows, or is lost.
     d, ra, rb = (vb - va) / h / steepest, ra / steepest, rb / steepest
@@ -143,6 +146,8 @@ def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[n
 
     What observables make of a motion is most often a largest value: without these instants it would be
     that of the nearest sample, and jump along a branch from one sample to the next.
+
+    Times have the shape (k,), states (k, n), before and after.
     """
     indices = np.concatenate([states.argmax(axis=0), states.argmin(axis=0)])
     which = np.tile(np.arange(states.shape[1]), 2)

@@ -14,7 +14,10 @@ from contwalk.problems.parameter_kinks import Way, passed
 
 
 def kinks_along(orbit: OrbitData, z: np.ndarray) -> tuple[Kink, ...]:
-    """Those that the motion of z crosses, each once, and jumps that its events lie on."""
+    """Those that the motion of z crosses, each once, and jumps that its events lie on.
+
+    z has the shape (N + 1,).
+    """
     at_events = orbit.kinks_at_events(z)
     found = (kinks.along(course) for course in orbit.courses(z))
     return tuple(dict.fromkeys(kink for part in (*found, at_events) for kink in part))

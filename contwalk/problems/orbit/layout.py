@@ -95,7 +95,10 @@ class Positions(ABC):
 
     @abstractmethod
     def inputs_of(self, segment: Segment, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """State and scalars of a segment, of z or of a direction like it."""
+        """State and scalars of a segment, of z or of a direction like it.
+
+        Shapes (n_i,) and (k,) of z, shape (N + 1,).
+        """
 
     @abstractmethod
     def along(self, segment: Segment, rows: np.ndarray) -> np.ndarray:
@@ -151,7 +154,10 @@ class ClosureLayout(Positions):
         ]
 
     def inputs_of(self, segment: Segment, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """State and scalars of a segment, of z or of a direction like it."""
+        """State and scalars of a segment, of z or of a direction like it.
+
+        Shapes (n_i,) and (k,) of z, shape (N + 1,).
+        """
         return z[segment.states], z[self._scalars]
 
     def along(self, segment: Segment, rows: np.ndarray) -> np.ndarray:
@@ -249,7 +255,10 @@ class Layout(Positions):
         return result
 
     def inputs(self, i: int, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """A leg's state and scalars (T, s, drifts, parameter), of z or of a direction like it."""
+        """A leg's state and scalars (T, s, drifts, parameter), of z or of a direction like it.
+
+        Shapes (n_i,) and (k,) of z, shape (N + 1,).
+        """
         own, before = self.local(i)
         n, values = self.sizes[i], z[own]
         if not self.forced:

@@ -73,7 +73,10 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
     # -- the map -----------------------------------------------------------------------------------------
 
     def carried(self, z: np.ndarray) -> bool:
-        """Whether the field is carried, a part of the period later, at a state off the orbit."""
+        """Whether the field is carried, a part of the period later, at a state off the orbit.
+
+        z has the shape (N + 1,).
+        """
         problem = self._problem
         p, values = (
             ParameterValues(**problem.values_of(z)),

@@ -185,7 +185,10 @@ class MirrorOfOrbits(ABC, Generic[Own]):
 
 
 def coefficients_of(own: OrbitData, point: SpecialPoint, image: np.ndarray) -> dict[str, Any]:
-    """Coefficients of the normal form: odd ones have the sign of the critical vector at the image."""
+    """Coefficients of the normal form: odd ones have the sign of the critical vector at the image.
+
+    The image has the shape (N + 1,).
+    """
     given: dict[str, Any] = dict(point.coefficients)
     odd = {"LP": ("a", "b"), "BP": ("c11", "c22")}.get(point.label, ())
     if not all(isinstance(given.get(name), float) for name in odd) or not odd:

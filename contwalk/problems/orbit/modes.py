@@ -50,6 +50,8 @@ class Mode:
 
         The part across the neutral directions is known: what rounding has brought of faster modes is left
         out.
+
+        Shape (n,).
         """
         known = (self.multiplier**closures * self.start).real
         along = self.neutral / self.magnitudes[:, None]
@@ -81,6 +83,8 @@ def eigenvector(product: np.ndarray, neutral: np.ndarray, magnitudes: np.ndarray
 
 def chosen_multiplier(values: np.ndarray, number: int) -> complex:
     """The multiplier of a mode.
+
+    Values have the shape (m,).
 
     Raises
     ------

@@ -30,6 +30,8 @@ def factors(orbit: OrbitData, jacobian: np.ndarray) -> list[np.ndarray]:
 
     Of a forced system the time of the event is one more coordinate, the last one. A leg that no event
     ends lasts until the closure is over.
+
+    The jacobian has the shape (N, N + 1).
     """
     return [product(own) for own in chain(orbit, jacobian)]
 
@@ -39,6 +41,8 @@ def chain(orbit: OrbitData, jacobian: np.ndarray) -> list[list[np.ndarray]]:
 
     What lies between two segments of a leg is held at its instant: there a deviation along the motion is
     one like others.
+
+    The jacobian has the shape (N, N + 1).
     """
     layout = orbit.layout
     return [
@@ -79,7 +83,10 @@ def _factor(orbit: OrbitData, segment: Segment, jacobian: np.ndarray) -> np.ndar
 
 
 def by_duration(orbit: OrbitData, segment: Segment, jacobian: np.ndarray, rows: Any) -> Any:
-    """Derivatives of a segment's end by its own duration, when it starts being held."""
+    """Derivatives of a segment's end by its own duration, when it starts being held.
+
+    The jacobian has the shape (N, N + 1).
+    """
     found = jacobian[rows, orbit.layout.durations.start + segment.leg]
     if segment.begin == 0.0 and segment.last:
         return found
@@ -98,7 +105,10 @@ def _to_the_end(orbit: OrbitData, i: int, x: np.ndarray, jacobian: np.ndarray) -
 
 
 def once_round(orbit: OrbitData, jacobian: np.ndarray, first: int) -> np.ndarray:
-    """Derivative of the closure by the start of a leg: the product of all factors from that leg on."""
+    """Derivative of the closure by the start of a leg: the product of all factors from that leg on.
+
+    The jacobian has the shape (N, N + 1).
+    """
     each = factors(orbit, jacobian)
     whole = np.eye(len(orbit.extended(first)))
     for k in range(len(each)):
@@ -117,6 +127,8 @@ def _arrives_without_rate(orbit: OrbitData, jacobian: np.ndarray) -> bool:
 def flow_direction(orbit: OrbitData, z: np.ndarray, i: int, j: int = 0) -> np.ndarray:
     """What a later start of leg i, or of its segment j, on the same orbit differs by: velocity, and time
     if forced.
+
+    z has the shape (N + 1,), the direction (n_i,), or (n_i + 1,) with the time.
     """
     x, scalars = orbit.layout.inputs_of(orbit.layout.segments_of(i)[j], z)
     duration = scalars[0] if scalars[0] != 0.0 else 1.0
@@ -140,6 +152,8 @@ def neutral_directions(
 ) -> np.ndarray:
     """The flow's own direction, if there is one, pinned ones, and gradients of what is conserved at the
     start of leg i, or of its segment j, as columns; `becoming` stands for the flow's where nothing moves yet.
+
+    z has the shape (N + 1,), `becoming` (n_i,).
     """
     held = orbit.forced and not orbit.timed(i)
     directions = [] if held else [flow_direction(orbit, z, i, j) if becoming is None else becoming]
@@ -157,6 +171,8 @@ def becoming_of(orbit: OrbitData, z: np.ndarray) -> np.ndarray | None:
     """Of an orbit without events that is a point still, the way that it is about to move: across its section.
 
     None of an orbit that moves, or that an event or the force begins.
+
+    z has the shape (N + 1,), the way (n_0,).
     """
     if orbit.eventful or orbit.forced or orbit.section is None:
         return None
@@ -166,7 +182,10 @@ def becoming_of(orbit: OrbitData, z: np.ndarray) -> np.ndarray | None:
 
 
 def spectrum(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-    """Multipliers of the closure, of the map of the smallest section."""
+    """Multipliers of the closure, of the map of the smallest section.
+
+    z has the shape (N + 1,), the jacobian (N, N + 1).
+    """
     if not orbit.eventful and len(orbit.word) == 1:
         return _of_closure(orbit, z, jacobian)
     smallest = orbit.smallest
@@ -240,6 +259,8 @@ def trivial_error(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> floa
 
     A start a little later on the same orbit leads to the same event: P f = 0. Where an event has no rate
     its map has no derivative: NaN.
+
+    z has the shape (N + 1,), the jacobian (N, N + 1).
     """
     if orbit.forced or becoming_of(orbit, z) is not None:
         return float("nan")
@@ -295,6 +316,8 @@ def doubted(orbit: OrbitData, found: Multipliers, trivial: float, jacobian: np.n
     """Multipliers with what the trivial one misses by as an error, where that is no small part of it.
 
     The flow's direction then leaks into the others, with all that the closure lets grow.
+
+    The jacobian has the shape (N, N + 1).
     """
     if orbit.eventful or not trivial > UNTOLD:
         return found

@@ -60,6 +60,8 @@ class Multipliers:
 
         Of a pair on the unit circle it would be noise. Its measure is |mu + 1/mu| / 2 - 1: negative there,
         positive of a real pair, and smooth where one becomes the other.
+
+        Shape (m,).
         """
         found = np.abs(self.values) - 1.0
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -25,6 +25,8 @@ def bordered(
 ) -> tuple[np.ndarray, np.ndarray, complex]:
     """v, psi and g of the bordered systems of a scaled matrix.
 
+    The matrix has the shape (m, m), all vectors (m,).
+
     Raises
     ------
     numpy.linalg.LinAlgError
@@ -74,6 +76,8 @@ def null_vectors(
 
     `rows` and `columns` are the units of its equations and of its unknowns; both vectors are units in the
     scaled norm.
+
+    The matrix has the shape (m, m), all vectors (m,).
     """
     b, c = critical_vectors(problem, matrix / rows[:, None] * columns)
     return c * columns, b / rows

@@ -185,7 +185,10 @@ class OrbitData(Orbit):
         return self.forced and (self.word.eventful or i > 0)
 
     def extended(self, i: int) -> np.ndarray:
-        """Typical magnitudes of the coordinates at the start of leg i: its states, and time if it is one."""
+        """Typical magnitudes of the coordinates at the start of leg i: its states, and time if it is one.
+
+        Shape (n_i,), or (n_i + 1,) with the time.
+        """
         own = self.mesh.variation[list(self.passages[i].states)]
         return np.append(own, self.mesh.total) if self.timed(i) else own
 
@@ -204,14 +207,17 @@ class OrbitData(Orbit):
         return gradient
 
     def moves(self, z: np.ndarray) -> bool:
-        """Whether the orbit of z is more than a point; of a forced system it may be one."""
+        """Whether the orbit of z is more than a point; of a forced system it may be one.
+
+        z has the shape (N + 1,).
+        """
         if self.forced:
             return True
         way = self.velocity(z) * self.duration(z) / self.mesh.variation[list(self.passages[0].states)]
         return float(np.linalg.norm(way)) > MOVES
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
-        """All parameters at z, by name."""
+        """All parameters at z, by name. z has the shape (N + 1,)."""
         return self.line.at(float(z[-1]))
 
     def first_state(self, z: np.ndarray) -> np.ndarray:
@@ -231,7 +237,10 @@ class OrbitData(Orbit):
         return normal, float(x[k] - (self.reference[k] if pin.value is None else values[pin.value]))
 
     def weighted(self, magnitudes: np.ndarray) -> np.ndarray:
-        """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state."""
+        """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state.
+
+        Magnitudes have the shape (n,), weights (N + 1,).
+        """
         weights = np.ones(self.size + 1)
         for place, passage in self.places:
             weights[place] = magnitudes[list(passage.states)] * np.sqrt(len(self.layout.segments))

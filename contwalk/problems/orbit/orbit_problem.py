@@ -45,23 +45,29 @@ class Observing(Protocol):
         """The state that stands for a solution, shape (n,)."""
 
     def values(self, problem: Any, z: np.ndarray, found: Multipliers, /) -> list[float]:
-        """Values of all observables."""
+        """Values of all observables. z has the shape (N + 1,)."""
 
     def value(self, problem: Any, name: str, z: np.ndarray, /) -> float:
-        """The value of one."""
+        """The value of one. z has the shape (N + 1,)."""
 
 
 class Switching(Protocol):
     """The branches that leave one kind of orbits, as functions over them."""
 
     def discretized(self, problem: Any, z: np.ndarray, /) -> Any:
-        """The problem on fine steps for a stored solution, which may have other segments."""
+        """The problem on fine steps for a stored solution, which may have other segments.
+
+        z has the shape (N + 1,).
+        """
 
     def doubled(self, problem: Any, z: np.ndarray, /) -> Sequence[Seed]:
-        """The orbit of twice the closure that leaves where a multiplier is -1."""
+        """The orbit of twice the closure that leaves where a multiplier is -1. z has the shape (N + 1,)."""
 
     def unfolded(self, problem: Any, z: np.ndarray, /) -> Sequence[Seed]:
-        """The whole orbit without its symmetry that leaves where a multiplier of its part is -1."""
+        """The whole orbit without its symmetry that leaves where a multiplier of its part is -1.
+
+        z has the shape (N + 1,).
+        """
 
 
 class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
@@ -78,7 +84,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
         return int(min(max(MOST_BYTES / (8.0 * self.size**2), LEAST_KEPT), MOST_KEPT))
 
     def linearize(self, z: np.ndarray) -> Linearization:
-        """The equations at z."""
+        """The equations at z. z has the shape (N + 1,)."""
         return self.known.at("linearization", z, self.most_kept, lambda: self._linearized(z))
 
     @abstractmethod
@@ -90,7 +96,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
         return self.linearize(z).jacobian
 
     def errors_at(self, z: np.ndarray) -> np.ndarray:
-        """Estimated error of each equation at a solution."""
+        """Estimated error of each equation at a solution. z has the shape (N + 1,), the errors (N,)."""
         return equations.errors(self, self.linearize(z))
 
     @property
@@ -103,11 +109,14 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
     # -- once round --------------------------------------------------------------------------------------
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers of the closure, without the flow's own and the pinned ones."""
+        """Multipliers of the closure, without the flow's own and the pinned ones.
+
+        z has the shape (N + 1,), the jacobian (N, N + 1).
+        """
         return monodromy.spectrum(self, z, jacobian)
 
     def return_map(self, z: np.ndarray) -> SectionMap:
-        """The map that takes a section once round the orbit, for normal forms."""
+        """The map that takes a section once round the orbit, for normal forms. z has the shape (N + 1,)."""
         return ReturnMap(self, z)
 
     # -- along a branch ----------------------------------------------------------------------------------
@@ -123,6 +132,8 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
     ) -> Sample:
         """Everything that is watched at a solution; of `known`, its sample on other steps, the observables,
         the kinks and the reported state are taken over.
+
+        z, tangent and weights have the shape (N + 1,).
 
         Raises
         ------
@@ -181,7 +192,10 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
         return self.observing.reported(self, z)
 
     def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
-        """Where the orbit is slower than beside, and the field there; the slowest place first."""
+        """Where the orbit is slower than beside, and the field there; the slowest place first.
+
+        z has the shape (N + 1,).
+        """
         return motion.slow_places(self, z)
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
@@ -189,18 +203,24 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
         return np.array(self.observing.values(self, z, found))
 
     def observable(self, name: str, z: np.ndarray) -> float:
-        """The value of one observable."""
+        """The value of one observable. z has the shape (N + 1,)."""
         return self.observing.value(self, name, z)
 
     # -- discretisations ---------------------------------------------------------------------------------
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Self:
-        """The problem discretised for a solution that is taken up again."""
+        """The problem discretised for a solution that is taken up again.
+
+        z and weights have the shape (N + 1,).
+        """
         problem: Self = self.adapted_to(z, weights)
         return problem
 
     def finest(self, z: np.ndarray, weights: np.ndarray) -> Self:
-        """The same problem on the finest steps that rounding allows."""
+        """The same problem on the finest steps that rounding allows.
+
+        z and weights have the shape (N + 1,).
+        """
         problem: Self = self.refined(z, weights, FINEST)
         return problem
 
@@ -213,15 +233,21 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
         return describing.described(self, kind, located, sample, s)
 
     def finely(self, z: np.ndarray) -> Any:
-        """The problem on fine steps for a stored solution, which may have other segments."""
+        """The problem on fine steps for a stored solution, which may have other segments.
+
+        z has the shape (N + 1,).
+        """
         return self.switching.discretized(self, z)
 
     def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The orbit of twice the closure that leaves where a multiplier is -1."""
+        """The orbit of twice the closure that leaves where a multiplier is -1. z has the shape (N + 1,)."""
         return self.switching.doubled(self, z)
 
     def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The whole orbit without its symmetry that leaves where a multiplier of its part is -1."""
+        """The whole orbit without its symmetry that leaves where a multiplier of its part is -1.
+
+        z has the shape (N + 1,).
+        """
         return self.switching.unfolded(self, z)
 
     def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
@@ -238,5 +264,5 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
         return rates.of_observable(self, name, sample)
 
     def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
-        """At a branch point, the tangent of the branch that `near` is on."""
+        """At a branch point, the tangent of the branch that `near` is on. Shape (N + 1,)."""
         return branching.tangent_through(self, located, near)

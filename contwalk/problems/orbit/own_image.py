@@ -16,7 +16,10 @@ OWN_IMAGE = 1e-5
 
 
 def carries(problem: SegmentedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, order: int) -> bool:
-    """Whether the field itself has the symmetry, a part of the period later, at a state off the orbit."""
+    """Whether the field itself has the symmetry, a part of the period later, at a state off the orbit.
+
+    z has the shape (N + 1,).
+    """
     p = ParameterValues(**problem.values_of(z))
     values = problem.given(z)
     x = problem.starts(z)[0] + 0.1 * problem.mesh.variation * np.cos(np.arange(1.0, problem.states + 1.0))
@@ -30,7 +33,10 @@ def carries(problem: SegmentedOrbit, z: np.ndarray, symmetry: Symmetry, power: i
 
 
 def halved(there: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> SegmentedOrbit | None:
-    """The problem of doubled orbits whose halves are images of each other, if those beside z are that."""
+    """The problem of doubled orbits whose halves are images of each other, if those beside z are that.
+
+    z and tangent have the shape (N + 1,).
+    """
     if there.word.image or np.any(there.turns):
         return None
     n, p, scale = there.states, ParameterValues(**there.values_of(z)), there.mesh.variation

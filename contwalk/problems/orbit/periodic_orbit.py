@@ -104,7 +104,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return Linearization(residual, jacobian, lambda: (levels(z, jacobian), None), lambda: magnitudes(z))
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factored:
-        """A matrix of these equations and unknowns, and of borders that come last, factored."""
+        """A matrix of these equations and unknowns, and of borders that come last, factored.
+
+        The matrix has the shape (m, m), the weights (m,).
+        """
         return Factored(matrix, weights)
 
     def _own_reference(self, z: np.ndarray) -> Reference:
@@ -114,7 +117,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return reference_of(self.mesh.steps, points, rates, self.mesh.variation)
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
-        """Half the range of each state over the orbit; declared scales where there are any."""
+        """Half the range of each state over the orbit; declared scales where there are any.
+
+        Both have the shape (N + 1,).
+        """
         m = self.mesh.segments
         nodes = self.solution(z).nodes
         half = 0.5 * np.ptp(nodes, axis=0)
@@ -173,7 +179,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         }
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers of the closure, without the flow's own and the pinned ones."""
+        """Multipliers of the closure, without the flow's own and the pinned ones.
+
+        z has the shape (N + 1,), the jacobian (N, N + 1).
+        """
         if self.uneven and self.mesh.segments > 1:
             return multipliers_of(self, z, monodromy.becoming_of(self, z))
         return monodromy.spectrum(self, z, jacobian)
@@ -207,7 +216,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return problem, replace(again, orientation=orientation)
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """A tangent moved along the flow until it lies in the section: the same change of the orbit."""
+        """A tangent moved along the flow until it lies in the section: the same change of the orbit.
+
+        All have the shape (N + 1,).
+        """
         if self.forced or not self.moves(z):
             return tangent
         assert self.section is not None
@@ -224,6 +236,8 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
         """The problem with a section through x_0 and steps for the orbit of z.
+
+        z and weights have the shape (N + 1,).
 
         Raises
         ------
@@ -247,7 +261,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return problem
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
-        """The same problem, section included, on steps for located points."""
+        """The same problem, section included, on steps for located points.
+
+        z and weights have the shape (N + 1,).
+        """
         tolerance = tolerance or self.discretization.marking
         return self.adapted_to(z, weights, tolerance).varied(section=self.section)
 
@@ -265,11 +282,17 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return period_and_slope(self.system, line.own, line.direction, float(z[-1]), line.constants)
 
     def admissible_at(self, z: np.ndarray) -> bool:
-        """Whether a solution is one that the machine can move on: without events, all are."""
+        """Whether a solution is one that the machine can move on: without events, all are.
+
+        z has the shape (N + 1,).
+        """
         return True
 
     def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray) -> bool:
-        """Whether the orbit of a branch with this tangent has become its parent again."""
+        """Whether the orbit of a branch with this tangent has become its parent again.
+
+        z and tangent have the shape (N + 1,).
+        """
         return termination.returned_to_parent(self, z, tangent)
 
     # -- special points ----------------------------------------------------------------------------------
@@ -288,7 +311,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         )
 
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
-        """Number of the first of some states that the orbit of z passes; None if it passes none."""
+        """Number of the first of some states that the orbit of z passes; None if it passes none.
+
+        z has the shape (N + 1,), each point (n,).
+        """
         periods = np.array([s.period or 0.0 for s in self.system.states])
         curve, p = self.curve(z), ParameterValues(**self.values_of(z))
         for number in SEEN_FROM:

@@ -39,7 +39,10 @@ class Piece:
     inner: bool = False
 
     def values(self, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:
-        """What a lift's functions depend on, in their order."""
+        """What a lift's functions depend on, in their order.
+
+        Scalars and each direction have the shape (k,).
+        """
         return np.concatenate([scalars, self.fixed, *directions])
 
     @property
@@ -167,13 +170,16 @@ class Piece:
         return flow.along(field, field.constants(self.values(scalars)), self.steps, x, self.method)
 
     def at(self, nodes: np.ndarray, times: np.ndarray, scalars: np.ndarray) -> np.ndarray:
-        """States at times in 0..1, from those at the steps."""
+        """States at times in 0..1, from those at the steps.
+
+        Times have the shape (m,), `nodes` (s + 1, n_i).
+        """
         field = self.passage.field(PLAIN)
         c = field.constants(self.values(scalars))
         return flow.dense(field, c, self.steps, nodes, times, self.method)
 
     def velocity(self, x: np.ndarray, scalars: np.ndarray) -> np.ndarray:
-        """dx/dt at the start, in the leg's own time."""
+        """dx/dt at the start, in the leg's own time. x has the shape (n_i,), scalars (k,)."""
         field = self.passage.field(PLAIN)
         return field(0.0, x, field.constants(self.values(scalars)))
 

@@ -62,7 +62,7 @@ class OrbitKind(Protocol):
         ...
 
     def branches(self, problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-        """The branches that leave a point, on fine steps."""
+        """The branches that leave a point, on fine steps. z has the shape (N + 1,)."""
         ...
 
 
@@ -112,6 +112,8 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
         """A matrix of these equations and unknowns, and of borders that come last, factored.
 
+        The matrix has the shape (m, m), the weights (m,).
+
         Raises
         ------
         numpy.linalg.LinAlgError
@@ -120,43 +122,49 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         ...
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:
-        """The same problem on steps for located points."""
+        """The same problem on steps for located points. z and weights have the shape (N + 1,)."""
         ...
 
     def finest(self, z: np.ndarray, weights: np.ndarray) -> Any:
-        """The same problem on the finest steps that rounding allows."""
+        """The same problem on the finest steps that rounding allows.
+
+        z and weights have the shape (N + 1,).
+        """
         ...
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
-        """Typical magnitudes of z, NaN where nothing tells."""
+        """Typical magnitudes of z, NaN where nothing tells. Both have the shape (N + 1,)."""
         ...
 
     def return_map(self, z: np.ndarray) -> SectionMap:
-        """The map that takes the section once round the orbit."""
+        """The map that takes the section once round the orbit. z has the shape (N + 1,)."""
         ...
 
     def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray) -> bool:
-        """Whether the orbit of a branch with this tangent has become its parent again."""
+        """Whether the orbit of a branch with this tangent has become its parent again.
+
+        z and tangent have the shape (N + 1,).
+        """
         ...
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers of the closure."""
+        """Multipliers of the closure. z has the shape (N + 1,), the jacobian (N, N + 1)."""
         ...
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
-        """Values of `observable_names`."""
+        """Values of `observable_names`. z has the shape (N + 1,), the values (o,)."""
         ...
 
     def observable(self, name: str, z: np.ndarray) -> float:
-        """The value of one observable that is not `max_abs`."""
+        """The value of one observable that is not `max_abs`. z has the shape (N + 1,)."""
         ...
 
     def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The whole motion: times and states."""
+        """The whole motion: times and states. Shapes (k,) and (k, n)."""
         ...
 
     def errors_at(self, z: np.ndarray) -> np.ndarray:
-        """Estimated error of each equation at a solution."""
+        """Estimated error of each equation at a solution. z has the shape (N + 1,), the errors (N,)."""
         ...
 
     def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
@@ -164,7 +172,7 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         ...
 
     def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
-        """At a branch point, the tangent of the branch that `near` is on."""
+        """At a branch point, the tangent of the branch that `near` is on. Shape (N + 1,)."""
         ...
 
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
@@ -176,41 +184,50 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         ...
 
     def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The orbit of twice the closure that leaves where a multiplier is -1."""
+        """The orbit of twice the closure that leaves where a multiplier is -1. z has the shape (N + 1,)."""
         ...
 
     def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The whole orbit without its symmetry that leaves where a multiplier of its half is -1."""
+        """The whole orbit without its symmetry that leaves where a multiplier of its half is -1.
+
+        z has the shape (N + 1,).
+        """
         ...
 
     def admissible_at(self, z: np.ndarray) -> bool:
-        """Whether a solution is one that the machine can move on."""
+        """Whether a solution is one that the machine can move on. z has the shape (N + 1,)."""
         ...
 
     def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
-        """Where the orbit is slower than beside, and the field there; the slowest place first."""
+        """Where the orbit is slower than beside, and the field there; the slowest place first.
+
+        z has the shape (N + 1,).
+        """
         ...
 
     def duration(self, z: np.ndarray) -> float:
-        """Duration of the closure, seconds."""
+        """Duration of the closure, seconds. z has the shape (N + 1,)."""
         ...
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
-        """dx/dt at the start."""
+        """dx/dt at the start. z has the shape (N + 1,)."""
         ...
 
     def courses(self, z: np.ndarray) -> list[Course]:
-        """The parts of the motion as they are looked at for kinks."""
+        """The parts of the motion as they are looked at for kinks. z has the shape (N + 1,)."""
         ...
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
-        """Jumps of guards and resets that events lie on, and of guards through zero on the way."""
+        """Jumps of guards and resets that events lie on, and of guards through zero on the way.
+
+        z has the shape (N + 1,).
+        """
         ...
 
     def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:
-        """The problem on steps for the orbit of z."""
+        """The problem on steps for the orbit of z. z and weights have the shape (N + 1,)."""
         ...
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """A tangent moved along the flow into the section."""
+        """A tangent moved along the flow into the section. All have the shape (N + 1,)."""
         ...

@@ -24,6 +24,8 @@ def of_moduli(problem: OrbitData, z: np.ndarray, tangent: np.ndarray, found: Mul
     """Derivative of each modulus by arclength; NaN where it is far from one, or real and positive.
 
     A real multiplier passes one at a fold or a branch point, which other tests see.
+
+    z and tangent have the shape (N + 1,).
     """
     known: dict[int, float] = {}
 
@@ -49,6 +51,8 @@ def of_modulus(
     """Derivative of |mu| along the branch, exact on the steps: mu' = psi* L_s v / psi* v.
 
     Of one of a pair mu, 1/mu that of |mu + 1/mu| / 2.
+
+    z and tangent have the shape (N + 1,).
     """
     multiplier = value if value.imag else value.real
     matrix = variations.cycle_matrix(problem, problem.linearize(z).jacobian, multiplier)

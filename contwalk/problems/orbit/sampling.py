@@ -18,7 +18,10 @@ MOST_BISECTIONS = 60
 def crossing(
     problem: SegmentedOrbit, z: np.ndarray, t: np.ndarray, x: np.ndarray, place: Place
 ) -> np.ndarray:
-    """The state at which a sampled motion first passes a value of a state; NaN if it never does."""
+    """The state at which a sampled motion first passes a value of a state; NaN if it never does.
+
+    z has the shape (N + 1,), t (k,), x (k, n), the state (n,).
+    """
     begun = place.begun_at(x)
     if begun is not None:
         return begun
@@ -39,7 +42,7 @@ def crossing(
 
 
 def measured_along(orbit: SegmentedOrbit, z: np.ndarray) -> list[float]:
-    """Values of the observables that no multiplier tells, in their order."""
+    """Values of the observables that no multiplier tells, in their order. z has the shape (N + 1,)."""
     values: list[float] = []
     if orbit.system.observables:
         t, x = motion(orbit, z)
@@ -50,13 +53,13 @@ def measured_along(orbit: SegmentedOrbit, z: np.ndarray) -> list[float]:
 
 
 def values(problem: SegmentedOrbit, z: np.ndarray, found: Multipliers) -> list[float]:
-    """Values of `observable_names`."""
+    """Values of `observable_names`. z has the shape (N + 1,)."""
     largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
     return [*measured_along(problem, z), largest**problem.rounds]
 
 
 def value(problem: SegmentedOrbit, name: str, z: np.ndarray) -> float:
-    """The value of one observable that is not `max_abs`."""
+    """The value of one observable that is not `max_abs`. z has the shape (N + 1,)."""
     if quantities.of_orbit(name):
         low, high = extremes(problem, z)
         names = quantities.extreme_names(problem.system.state_names)

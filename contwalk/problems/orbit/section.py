@@ -26,18 +26,24 @@ RISING, BEFORE = 10.0, 0.02
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """normal . (x(0) - point) = 0, with |normal| = 1 in the metric's dual norm."""
+    """normal . (x(0) - point) = 0, with |normal| = 1 in the metric's dual norm.
+
+    `point` and `normal` have the shape (n,).
+    """
 
     point: np.ndarray
     normal: np.ndarray
 
     def residual(self, x: np.ndarray) -> float:
-        """Left side of the condition."""
+        """Left side of the condition. x has the shape (n,)."""
         return float(self.normal @ (x - self.point))
 
 
 def section_at(point: np.ndarray, velocity: np.ndarray, magnitudes: np.ndarray) -> Section:
-    """The section through a point at a right angle to the velocity, in units of the magnitudes."""
+    """The section through a point at a right angle to the velocity, in units of the magnitudes.
+
+    All have the shape (n,).
+    """
     normal = velocity / magnitudes**2
     return Section(point, normal / np.linalg.norm(normal * magnitudes))
 
@@ -91,7 +97,10 @@ def reference_of(
     velocities: Sequence[np.ndarray],
     magnitudes: np.ndarray,
 ) -> Reference:
-    """The reference that an orbit itself is: states and velocities at the steps of each segment."""
+    """The reference that an orbit itself is: states and velocities at the steps of each segment.
+
+    Of each segment, shapes (s + 1,) and (s + 1, n); magnitudes have (n,).
+    """
     rows = []
     for t, f in zip(times, velocities, strict=True):
         weights = np.zeros(len(t))  # the trapezoidal rule

@@ -95,7 +95,7 @@ class SegmentedOrbit(OrbitData):
         return list(zip(np.split(nodes, ends[:-1] + 1), ended, moved, strict=True))
 
     def given(self, z: np.ndarray) -> np.ndarray:
-        """What the field depends on at z: scalars and fixed parameters."""
+        """What the field depends on at z: scalars and fixed parameters. z has the shape (N + 1,)."""
         return np.concatenate([self.scalars(z), self.line.constants])
 
     def segments_in(self, z: np.ndarray) -> int:
@@ -136,17 +136,23 @@ class SegmentedOrbit(OrbitData):
         return z[: self.mesh.segments * self.states].reshape(self.mesh.segments, self.states)
 
     def scalars(self, z: np.ndarray) -> np.ndarray:
-        """Period (where unknown), drifts and free parameter: the columns of the passage."""
+        """Period (where unknown), drifts and free parameter: the columns of the passage.
+
+        Shape (k,) of z, shape (N + 1,).
+        """
         return z[self.scalar_places(z)] if self.uneven else z[self.mesh.segments * self.states :]
 
     def duration(self, z: np.ndarray) -> float:
-        """Duration of the closure, seconds."""
+        """Duration of the closure, seconds. z has the shape (N + 1,)."""
         if not self.forced:
             return float(self.scalars(z)[0])
         return self.forcings * period_at(self.system, self.values_of(z))
 
     def solution(self, z: np.ndarray) -> Solution:
-        """The motion of z on these steps, of which every part is integrated once."""
+        """The motion of z on these steps, of which every part is integrated once.
+
+        z has the shape (N + 1,).
+        """
 
         def made() -> Solution:
             own = z.copy()
@@ -155,7 +161,7 @@ class SegmentedOrbit(OrbitData):
         return self.known.at("solution", z, MOST_KEPT, made)
 
     def curve(self, z: np.ndarray) -> Curve:
-        """The integrated part of the motion, in 0..1."""
+        """The integrated part of the motion, in 0..1. z has the shape (N + 1,)."""
         return self.solution(z).curve
 
     def view(self, z: np.ndarray) -> tuple[ClosureView, ...]:
@@ -174,15 +180,15 @@ class SegmentedOrbit(OrbitData):
         return [Stretch("", view, j * view.duration, seen(j), every) for j in range(word.closures)]
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
-        """dx/dt at the start."""
+        """dx/dt at the start. z has the shape (N + 1,), the velocity (n,)."""
         return self.solution(z).velocities[0] / self.duration(z)
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
-        """None: there are no events."""
+        """None: there are no events. z has the shape (N + 1,)."""
         return ()
 
     def courses(self, z: np.ndarray) -> list[Course]:
-        """The motion as it is looked at for kinks of the field."""
+        """The motion as it is looked at for kinks of the field. z has the shape (N + 1,)."""
         if self.passage.switching is None:
             return []
         curve = self.curve(z)
@@ -190,20 +196,26 @@ class SegmentedOrbit(OrbitData):
         return [] if course is None else [course]
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The same solution with its angles turned as near as possible to those of another one."""
+        """The same solution with its angles turned as near as possible to those of another one.
+
+        All have the shape (N + 1,).
+        """
         return z + whole_turns(near - z, self.periods)
 
     # -- what is computed of them ------------------------------------------------------------------------
 
     @abstractmethod
     def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:
-        """The problem on steps for the orbit of z."""
+        """The problem on steps for the orbit of z. z and weights have the shape (N + 1,)."""
 
 
 def section_through(
     problem: SegmentedOrbit, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray
 ) -> Section | None:
-    """The section through a state, across the flow there; of an orbit that is a point, the one it has."""
+    """The section through a state, across the flow there; of an orbit that is a point, the one it has.
+
+    x and magnitudes have the shape (n,).
+    """
     if problem.forced:
         return None
     own = velocity(problem.passage, x, 0.0, values)

@@ -109,7 +109,10 @@ class Mesh:
 
     @cached_property
     def times(self) -> np.ndarray:
-        """Times of all segments' steps, one segment after the other: where two meet, a time is repeated."""
+        """Times of all segments' steps, one segment after the other: where two meet, a time is repeated.
+
+        Shape (s,).
+        """
         return np.concatenate(self.steps)
 
     @cached_property
@@ -244,7 +247,7 @@ def _without_value(passage: Passage, values: np.ndarray, path: flow.Path) -> str
 
 
 def growth_of(deviations: np.ndarray) -> float:
-    """How much a deviation grows at most from any time on."""
+    """How much a deviation grows at most from any time on. Deviations have the shape (s, n)."""
     sizes = np.sqrt((deviations * deviations).sum(axis=1))
     return float((sizes / np.minimum.accumulate(np.maximum(sizes, 1e-300))).max())
 

@@ -48,7 +48,10 @@ class SlowPlace:
         return self.speed / max(self.fastest, 1e-300)
 
     def equilibrium(self, near: np.ndarray | None = None) -> np.ndarray | None:
-        """The equilibrium nearby, or near another state, by Newton's method; None where there is none."""
+        """The equilibrium nearby, or near another state, by Newton's method; None where there is none.
+
+        All have the shape (k,).
+        """
         x = (self.state if near is None else near).copy()
         for _ in range(ITERATIONS):
             f, j = self.velocity(x), self.jacobian(x)
@@ -65,7 +68,7 @@ class SlowPlace:
         return None
 
     def distance(self, x: np.ndarray) -> float:
-        """Of a state from the orbit, in units of its range."""
+        """Of a state from the orbit, in units of its range. x has the shape (k,)."""
         return float(np.linalg.norm((self.path - x) / self.scale, axis=1).min())
 
 
@@ -81,6 +84,8 @@ def slow_places_on(
     """The places on a path where its speed is least, the slowest first.
 
     The path's field is in units of a duration, at times in 0..1.
+
+    `scale` has the shape (k,), times (s,), the path (s, k).
     """
     n = len(scale)
     speeds = np.linalg.norm(field.along(times, path, c) / scale, axis=1) / duration

@@ -25,11 +25,17 @@ class SmoothDiagnosis(OrbitDiagnosis):
         return termination.ended(self._smooth, a, b)
 
     def without_value(self, z: np.ndarray) -> str:
-        """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found."""
+        """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found.
+
+        z has the shape (N + 1,).
+        """
         return undefined.where(self._smooth, z)
 
     def obstacle(self, z: np.ndarray) -> str:
-        """How much deviations grow over a segment, where that is what Newton's method has to fight with."""
+        """How much deviations grow over a segment, where that is what Newton's method has to fight with.
+
+        z has the shape (N + 1,).
+        """
         orbit = self._smooth
         met = kinks_along(orbit, z)
         if met:

@@ -51,7 +51,7 @@ class Solution:
 
     @cached_property
     def velocities(self) -> np.ndarray:
-        """`velocities_at` the segments' own starts."""
+        """`velocities_at` the segments' own starts. Shape (m, n)."""
         return self.velocities_at(self._starts)
 
     def velocities_at(self, states: np.ndarray) -> np.ndarray:

@@ -25,6 +25,8 @@ def newton_on(
     Without a normal each correction is the shortest one in the metric: of a point that solves the equations
     nearly, only rounding is corrected, along no direction of solutions.
 
+    All have the shape (N + 1,).
+
     Raises
     ------
     StartError
@@ -52,6 +54,8 @@ def error_holding(problem: OrbitData, z: np.ndarray, weights: np.ndarray, held: 
     """What errors of the equations do to the free parameter of an orbit of which something is held.
 
     `held` is its gradient.
+
+    z, weights and `held` have the shape (N + 1,).
     """
     try:
         bordered = problem.factored(np.vstack([problem.jacobian(z), held]), weights)

@@ -52,7 +52,7 @@ class Steps:
 
 
 def steps_of(orbit: SegmentedOrbit, z: np.ndarray) -> Steps:
-    """The steps of the orbit of z, of which all are taken in one pass."""
+    """The steps of the orbit of z, of which all are taken in one pass. z has the shape (N + 1,)."""
     return orbit.known.at("steps", z, 2, lambda: _taken(orbit, z))
 
 

@@ -38,7 +38,7 @@ class View(Protocol):
 
     @property
     def constants(self) -> np.ndarray:
-        """What its field takes from scalars and fixed parameters."""
+        """What its field takes from scalars and fixed parameters. Shape (c,)."""
         ...
 
     @property
@@ -57,11 +57,14 @@ class View(Protocol):
         ...
 
     def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """Instants in 0..1, about `number` of them evenly spread and the steps' own, and states there."""
+        """Instants in 0..1, about `number` of them evenly spread and the steps' own, and states there.
+
+        Shapes (k,) and (k, n_i).
+        """
         ...
 
     def full(self, x: np.ndarray) -> np.ndarray:
-        """States of the mode as states of the system."""
+        """States of the mode as states of the system. Shape (n_i,) or (k, n_i), and (n,) or (k, n)."""
         ...
 
 
@@ -94,7 +97,10 @@ class Stretch(Generic[Own]):
 
     @property
     def motion(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times in seconds and full states, both ends and the extremes of states included."""
+        """Times in seconds and full states, both ends and the extremes of states included.
+
+        Shapes (k,) and (k, n).
+        """
         times, states = self.view.motion
         return times + self.later, self.seen(times, states)
 
@@ -106,18 +112,18 @@ class Stretch(Generic[Own]):
 
     @property
     def start(self) -> tuple[float, np.ndarray]:
-        """Time and full state at which it starts."""
+        """Time and full state at which it starts. The state has the shape (n,)."""
         return self._seen_at(self.view.start, self.view.x)
 
     @property
     def end(self) -> tuple[float, np.ndarray]:
-        """Time and full state before what ends it."""
+        """Time and full state before what ends it. The state has the shape (n,)."""
         return self._seen_at(self.view.start + self.view.duration, self.view.end)
 
     def _seen_at(self, time: float, x: np.ndarray) -> tuple[float, np.ndarray]:
         return time + self.later, self.seen(np.array([time]), self.view.full(x)[None])[0]
 
     def at(self, shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Times and full states at instants in 0..1."""
+        """Times and full states at instants in 0..1. Shapes (k,) and (k, n)."""
         times = self.view.start + self.view.duration * shares
         return times + self.later, self.seen(times, self.view.full(self.view.at(shares)))

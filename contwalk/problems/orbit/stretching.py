@@ -13,7 +13,10 @@ MISSED = 1e-3
 
 
 def stretched(orbit: SegmentedOrbit, z: np.ndarray) -> bool:
-    """Whether a segment is too long for Newton's method to be at ease, or to tell multipliers."""
+    """Whether a segment is too long for Newton's method to be at ease, or to tell multipliers.
+
+    z has the shape (N + 1,).
+    """
     jacobian = orbit.linearize(z).jacobian
     if orbit.mesh.growth > TOO_MUCH or monodromy.trivial_error(orbit, z, jacobian) > MISSED:
         return True

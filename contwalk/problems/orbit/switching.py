@@ -22,6 +22,8 @@ from contwalk.system.declarations import ParameterValues
 def discretized(problem: SegmentedOrbit, z: np.ndarray) -> SegmentedOrbit:
     """The problem on fine steps for a stored solution, which may have other segments than the branch
     began with.
+
+    z has the shape (N + 1,).
     """
     n, m = problem.states, problem.segments_in(z)
     sizes = np.maximum(np.abs(z[: m * n].reshape(m, n)).max(axis=0), 1e-6)
@@ -34,6 +36,8 @@ def doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit of twice the period that leaves along the critical vector.
 
     It is closed up to a declared symmetry if each half of it is the image of the other one.
+
+    z has the shape (N + 1,).
     """
     there, start, tangent = _followed(problem, z, 2, _doubled(problem))
     half = halved(there, start, tangent)
@@ -43,7 +47,7 @@ def doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
 
 
 def unfolded(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
-    """The orbit without the symmetry that its parent closes up to."""
+    """The orbit without the symmetry that its parent closes up to. z has the shape (N + 1,)."""
     closures = problem.word.closures
     whole = problem.closing(closures * problem.turns).varied(parts=closures)
     there, start, tangent = _followed(problem, z, closures, whole)
@@ -98,6 +102,8 @@ def segments_over(problem: SegmentedOrbit, z: np.ndarray, times: int) -> int:
     """Number of segments of an orbit that follows a closure several times: no fewer to each than it has.
 
     Growth over all of them tells nothing of what grows and is forgotten within one.
+
+    z has the shape (N + 1,).
     """
     count, own = segments_for(problem, z, times), problem.mesh.segments
     return count if problem.discretization.segments is not None or own == 1 else max(count, times * own)

@@ -91,7 +91,10 @@ def _extent(problem: SegmentedOrbit, sample: Sample) -> float:
 
 
 def speeds_of(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times 0..1 in the middle of the steps, and mean speeds over each, in units of the states' variation."""
+    """Times 0..1 in the middle of the steps, and mean speeds over each, in units of the states' variation.
+
+    z has the shape (N + 1,), both results (s,).
+    """
     times, states = problem.mesh.times, problem.solution(z).nodes
     lengths = np.diff(times)
     moves = lengths > 0.0  # at the end of a segment the next one begins
@@ -102,12 +105,17 @@ def speeds_of(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.nd
 def returned_to_parent(problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
     """Whether an orbit has become its parent: it repeats itself, or is its own image, and those beside it
     on its branch do not.
+
+    z and tangent have the shape (N + 1,).
     """
     return repeats(problem, z, MEETS) and not repeats(problem, z + ASIDE * tangent, ASIDE * STAYS)
 
 
 def repeats(problem: SegmentedOrbit, z: np.ndarray, meets: float) -> bool:
-    """Whether an orbit runs twice through the same states, or is its own mirror image."""
+    """Whether an orbit runs twice through the same states, or is its own mirror image.
+
+    z has the shape (N + 1,).
+    """
     try:
         return any(apart < meets for apart in asymmetries(problem, z).values())
     except NotFinite:

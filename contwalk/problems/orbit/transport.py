@@ -93,6 +93,8 @@ def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
 
     What grows in between and is forgotten again, as at the jumps of a relaxation oscillation, does no harm.
     The orbit goes through its closure so many `times`.
+
+    z has the shape (N + 1,).
     """
     n, m = problem.states, problem.mesh.segments
     field = problem.passage.field(PLAIN)
@@ -122,7 +124,10 @@ def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
 
 
 def segments_for(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> int:
-    """Number of segments over each of which deviations grow by `MOST_GROWTH` at most."""
+    """Number of segments over each of which deviations grow by `MOST_GROWTH` at most.
+
+    z has the shape (N + 1,).
+    """
     if problem.discretization.segments is not None:
         return problem.discretization.segments
     largest = growth(problem, z, times)
@@ -141,6 +146,8 @@ def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample
     it.
 
     Where cuts are chosen it stays on its own steps: where deviations grow, others lead elsewhere.
+
+    `cuts` have the shape (m,).
     """
     own = problem.uneven and problem.reference_orbit is None
     mesh = problem.mesh.divided(cuts) if own else None
@@ -159,7 +166,10 @@ def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample
 
 
 def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple[Kind, Sample]:
-    """The same solution, beginning at another time in 0..1 of its closure; `cuts` count from there."""
+    """The same solution, beginning at another time in 0..1 of its closure; `cuts` count from there.
+
+    `cuts` have the shape (m,).
+    """
     mesh = None
     if problem.uneven and problem.mesh.segments > 1 and problem.reference_orbit is None:
         mesh, time = problem.mesh.begun(time)
@@ -235,7 +245,10 @@ def closed(problem: AnyOrbit, rough: Sample) -> tuple[AnyOrbit, Sample] | None:
 def following(
     problem: SegmentedOrbit, x: np.ndarray, v: np.ndarray, p: ParameterValues
 ) -> tuple[np.ndarray, np.ndarray]:
-    """State and deviation one closure later: the inverse image, in unturned angles."""
+    """State and deviation one closure later: the inverse image, in unturned angles.
+
+    All have the shape (n,).
+    """
     word, turns = problem.word, problem.turns
     if not word.image:
         return x + turns, v

@@ -14,7 +14,10 @@ REMEDY = "Let it have a value wherever orbits of the range go."
 
 
 def where(orbit: SegmentedOrbit, z: np.ndarray) -> str:
-    """`The field of mode 'NAME': file, line n: what.` on the way of z; empty if it has values everywhere."""
+    """`The field of mode 'NAME': file, line n: what.` on the way of z; empty if it has values everywhere.
+
+    z has the shape (N + 1,).
+    """
     if not np.isfinite(z).all():
         return ""
     passage, values, method = orbit.passage, orbit.given(z), orbit.mesh.method

@@ -10,7 +10,10 @@ from contwalk.problems.orbit.orbit_data import OrbitData
 
 
 def cycle_matrix(orbit: OrbitData, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
-    """L(mu): F_u, but what closes is mu times what began. Singular where mu is a multiplier."""
+    """L(mu): F_u, but what closes is mu times what began. Singular where mu is a multiplier.
+
+    Shape (N, N), of the jacobian (N, N + 1).
+    """
     matrix = jacobian[:, : orbit.size].astype(complex if np.imag(multiplier) else float)
     rows, place = orbit.layout.matches[-1], orbit.layout.states[0]
     matrix[rows, place] += (1.0 - multiplier) * np.eye(rows.stop - rows.start)
@@ -20,7 +23,10 @@ def cycle_matrix(orbit: OrbitData, jacobian: np.ndarray, multiplier: complex) ->
 
 
 def cycle_return(orbit: OrbitData, psi: np.ndarray, v: np.ndarray) -> complex:
-    """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
+    """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier.
+
+    Both vectors have the shape (N,).
+    """
     result = complex(psi[orbit.layout.matches[-1]].conj() @ v[orbit.layout.states[0]])
     if orbit.layout.sum is not None and orbit.layout.start is not None:
         result += complex(np.conj(psi[orbit.layout.sum]) * v[orbit.layout.start])

@@ -37,7 +37,7 @@ class BranchPoint(OrbitPoint):
         return _crossing(problem, sample)
 
     def tangent(self, problem: OrbitData, located: Located, near: Sample) -> np.ndarray | None:
-        """Of the two tangents there, that of the branch that `near` is on."""
+        """Of the two tangents there, that of the branch that `near` is on. Shape (N + 1,)."""
         return problem.tangent_at(located, near)
 
     def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
@@ -58,7 +58,7 @@ class BranchPoint(OrbitPoint):
         return problem.leaving(self, point) if point.coefficients else ()
 
     def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-        """The branch that crosses."""
+        """The branch that crosses. z has the shape (N + 1,)."""
         return branching.crossing(problem, z, point)
 
     def has(self, point: SpecialPoint) -> bool:

@@ -55,7 +55,7 @@ class PeriodDoubling(_Flip):
         return None, criticality, coefficients, vanishes
 
     def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-        """The doubled orbit."""
+        """The doubled orbit. z has the shape (N + 1,)."""
         return problem.doubled_from(z)
 
 
@@ -82,7 +82,7 @@ class SymmetryBreaking(_Flip):
         return "symmetry-breaking", None, {}, PAIR
 
     def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-        """The whole orbit without the symmetry."""
+        """The whole orbit without the symmetry. z has the shape (N + 1,)."""
         return problem.unfolded_from(z)
 
     def has(self, point: SpecialPoint) -> bool:

@@ -52,7 +52,7 @@ class OrbitPoint(PointType):
         return None, None, {}, PAIR
 
     def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-        """The branches that leave a point, on fine steps."""
+        """The branches that leave a point, on fine steps. z has the shape (N + 1,)."""
         return ()
 
     def locate(self, problem: OrbitData, sample: Sample, which: int) -> Located | None:
