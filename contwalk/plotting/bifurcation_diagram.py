@@ -114,15 +114,21 @@ def plot_bifurcation_diagram(
     labels = [label for label in labels if len(_shown(ax, np.array([[label.x, label.y]])))]
     if own and len(labels) > MANY_LABELS:
         ax.figure.canvas.figure.set_size_inches(*LARGE)
-    left_out = place_labels(ax, labels, inks)
-    if left_out:
-        _legend(ax, [*handles, Line2D([], [], linestyle="none", label=f"names left out: {len(left_out)}")])
-        report(
-            f"There is no room for the names of {len(left_out)} points in the bifurcation diagram: "
-            f"{', '.join(left_out)}. Draw fewer branches, or a part of it (`xlim` and `ylim` of the figure), "
-            "or look them up with `contwalk show`."
-        )
+    if left_out := place_labels(ax, labels, inks):
+        _tell_left_out(ax, handles, left_out, report)
     return ax
+
+
+def _tell_left_out(
+    ax: Axes, handles: Sequence[Any], left_out: Sequence[str], report: Callable[[str], None]
+) -> None:
+    """Say in the legend how many names have no room, and in a sentence which."""
+    _legend(ax, [*handles, Line2D([], [], linestyle="none", label=f"names left out: {len(left_out)}")])
+    report(
+        f"There is no room for the names of {len(left_out)} points in the bifurcation diagram: "
+        f"{', '.join(left_out)}. Draw fewer branches, or a part of it (`xlim` and `ylim` of the figure), "
+        "or look them up with `contwalk show`."
+    )
 
 
 def _corners(

@@ -79,55 +79,12 @@ def hopf(problem: EquilibriumEquations, sample: Sample, which: int, shift: float
     omega = abs(eigenvalue.imag)
     a = problem.jacobian(sample.z)[:n, :n]
     start = nearest_eigenpair(a, complex(eigenvalue.real, omega)).right.astype(complex)
-    c = np.conj(start) / np.vdot(start, start).real
-
-    def parts(u: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-        return u[: size + 1], u[size + 1 : size + 1 + n] + 1j * u[size + 1 + n : -1], u[-1]
-
-    def padded(v: np.ndarray) -> np.ndarray:
-        return np.concatenate([v, np.zeros(size + 1 - n)])
-
-    def residual(u: np.ndarray) -> np.ndarray:
-        z, v, w = parts(u)
-        inputs = problem.inputs(z)
-        product = problem.kernels.first(*inputs, padded(v))[:n] - (shift + 1j * w) * v
-        norm = c @ v - 1.0
-        f = problem.kernels.residual(*inputs)
-        return np.concatenate([f, product.real, product.imag, [norm.real, norm.imag]])
-
-    def jacobian(u: np.ndarray) -> np.ndarray:
-        z, v, w = parts(u)
-        inputs = problem.inputs(z)
-        f = problem.jacobian(z)
-        matrix = np.zeros((size + 2 * n + 2, size + 2 * n + 2))
-        matrix[:size, : size + 1] = f
-        real, imag = slice(size, size + n), slice(size + n, size + 2 * n)
-        vectors = slice(size + 1, size + 1 + 2 * n)
-        matrix[real, : size + 1] = problem.kernels.jacobian_of_first(*inputs, padded(v.real))[:n]
-        matrix[imag, : size + 1] = problem.kernels.jacobian_of_first(*inputs, padded(v.imag))[:n]
-        matrix[size : size + 2 * n, vectors] = _complex_as_real(f[:n, :n] - shift * np.eye(n), w)
-        matrix[real, -1] = v.imag
-        matrix[imag, -1] = -v.real
-        matrix[-2, vectors] = np.concatenate([c.real, -c.imag])
-        matrix[-1, vectors] = np.concatenate([c.imag, c.real])
-        return matrix
-
-    def exactly(u: Sequence[Any]) -> list[Any]:
-        z, v, y, w = u[: size + 1], u[size + 1 : size + 1 + n], u[size + 1 + n : -1], u[-1]
-        inputs = problem.exact_inputs(z)
-        rest = [0] * (size + 1 - n)
-        av = problem.kernels.first.exactly(*inputs, [*v, *rest])[:n]
-        ay = problem.kernels.first.exactly(*inputs, [*y, *rest])[:n]
-        real = [p - shift * q + w * r for p, q, r in zip(av, v, y, strict=True)]
-        imag = [p - shift * q - w * r for p, q, r in zip(ay, y, v, strict=True)]
-        norm = [dot(c.real, v) - dot(c.imag, y) - 1, dot(c.imag, v) + dot(c.real, y)]
-        return [*problem.kernels.residual.exactly(*inputs), *real, *imag, *norm]
-
+    equations = _Equations(problem, np.conj(start) / np.vdot(start, start).real, shift)
     scale = np.concatenate([sample.weights, np.ones(2 * n), [max(omega, 1e-300)]])
-    system = DefiningSystem(scale, residual, jacobian, exactly)
+    system = DefiningSystem(scale, equations.residual, equations.jacobian, equations.exactly)
 
     def described(found: Solution) -> Located | None:
-        z, v, w = parts(found.values)
+        z, v, w = equations.parts(found.values)
         # omega = 0 is the degenerate solution of the same equations (a fold, a Bogdanov-Takens point).
         if not abs(w) > 1e-6 * omega:
             return None
@@ -135,6 +92,72 @@ def hopf(problem: EquilibriumEquations, sample: Sample, which: int, shift: float
         return Located(z, float(found.errors[size]), vectors, found.refined)
 
     return solve(system, np.concatenate([sample.z, start.real, start.imag, [omega]]), described)
+
+
+class _Equations:
+    """The equations of a Hopf point in u = (z, v, w, omega), of shape (N + 2 n + 2,).
+
+    Parameters
+    ----------
+    problem : EquilibriumEquations
+    c : ndarray, shape (n,)
+        Complex; what the eigenvector is scaled by.
+    shift : float
+        The real part that is wanted.
+    """
+
+    def __init__(self, problem: EquilibriumEquations, c: np.ndarray, shift: float) -> None:
+        self._problem, self._shift = problem, shift
+        self._c: Any = c
+        self._size, self._n = problem.size, problem.states
+
+    def parts(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        """z, the complex eigenvector and omega."""
+        size, n = self._size, self._n
+        return u[: size + 1], u[size + 1 : size + 1 + n] + 1j * u[size + 1 + n : -1], u[-1]
+
+    def _padded(self, v: np.ndarray) -> np.ndarray:
+        return np.concatenate([v, np.zeros(self._size + 1 - self._n)])
+
+    def residual(self, u: np.ndarray) -> np.ndarray:
+        problem, n = self._problem, self._n
+        z, v, w = self.parts(u)
+        inputs = problem.inputs(z)
+        product = problem.kernels.first(*inputs, self._padded(v))[:n] - (self._shift + 1j * w) * v
+        norm = self._c @ v - 1.0
+        f = problem.kernels.residual(*inputs)
+        return np.concatenate([f, product.real, product.imag, [norm.real, norm.imag]])
+
+    def jacobian(self, u: np.ndarray) -> np.ndarray:
+        problem, size, n, c = self._problem, self._size, self._n, self._c
+        z, v, w = self.parts(u)
+        inputs = problem.inputs(z)
+        f = problem.jacobian(z)
+        matrix = np.zeros((size + 2 * n + 2, size + 2 * n + 2))
+        matrix[:size, : size + 1] = f
+        real, imag = slice(size, size + n), slice(size + n, size + 2 * n)
+        vectors = slice(size + 1, size + 1 + 2 * n)
+        matrix[real, : size + 1] = problem.kernels.jacobian_of_first(*inputs, self._padded(v.real))[:n]
+        matrix[imag, : size + 1] = problem.kernels.jacobian_of_first(*inputs, self._padded(v.imag))[:n]
+        matrix[size : size + 2 * n, vectors] = _complex_as_real(f[:n, :n] - self._shift * np.eye(n), w)
+        matrix[real, -1] = v.imag
+        matrix[imag, -1] = -v.real
+        matrix[-2, vectors] = np.concatenate([c.real, -c.imag])
+        matrix[-1, vectors] = np.concatenate([c.imag, c.real])
+        return matrix
+
+    def exactly(self, u: Sequence[Any]) -> list[Any]:
+        """As `residual`, in numbers of `mpmath`."""
+        kernels, size, n, c, shift = self._problem.kernels, self._size, self._n, self._c, self._shift
+        z, v, y, w = u[: size + 1], u[size + 1 : size + 1 + n], u[size + 1 + n : -1], u[-1]
+        inputs = self._problem.exact_inputs(z)
+        rest = [0] * (size + 1 - n)
+        av = kernels.first.exactly(*inputs, [*v, *rest])[:n]
+        ay = kernels.first.exactly(*inputs, [*y, *rest])[:n]
+        real = [p - shift * q + w * r for p, q, r in zip(av, v, y, strict=True)]
+        imag = [p - shift * q - w * r for p, q, r in zip(ay, y, v, strict=True)]
+        norm = [dot(c.real, v) - dot(c.imag, y) - 1, dot(c.imag, v) + dot(c.real, y)]
+        return [*kernels.residual.exactly(*inputs), *real, *imag, *norm]
 
 
 def _complex_as_real(a: np.ndarray, omega: float) -> np.ndarray:
