@@ -195,6 +195,7 @@ def combined(ends: list[tuple[float, Outcome]], message: str) -> Outcome:
     """One outcome for both ends: the worse one decides, of equal ones what is not the range's end; each is
     told.
     """
+    ends = sorted(ends, key=lambda end: -end[0])  # whichever was known first
     worst = max((outcome for _, outcome in ends), key=lambda o: (_ORDER[o.status], o.reason != "bound"))
     texts = [o.message for _, o in ends]
     if [o.reason for _, o in ends] == ["bound", "bound"]:

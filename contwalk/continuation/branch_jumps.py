@@ -1,8 +1,8 @@
 """Whether a step ended on its own branch, or on another one that lies beside it and points the same way.
 
 The chord of a smooth step departs from the mean direction of the tangents at its ends by h^2 k' / 12, where h
-is the step's length and k' the rate of its curvature: by a sixth of the turn where the curvature begins in the
-step, by far less elsewhere. A step onto a branch at the distance d departs by d / h. Both may be of one size;
+is the step's length and k' the rate of its curvature: by a sixth of the turn where a bend begins in the step,
+by far less elsewhere. A step onto a branch at the distance d departs by d / h. Both may be of one size;
 but half of a step is departed from by a quarter of the first, and by twice the second. So a step in doubt is
 halved.
 """

@@ -25,6 +25,7 @@ from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.standing_still import with_what_stands_still
 from contwalk.continuation.state import ContinuationState
+from contwalk.labels import END
 from contwalk.problems.problem import Mirror, Problem, Sample
 
 # Where each direction sets out, by its sign.
@@ -143,6 +144,27 @@ class BranchWalk:
                 if side:
                     place = from_row(problem, side[-1], sign, work.info.parent is not None)
             yield from self._direction(problem, work, place, sign, observer)
+        yield from self._closed_alone(work)
+
+    def _closed_alone(self, work: BranchInProgress) -> Iterator[Event]:
+        """Leave out what was walked the other way, with fewer points, before a branch has closed."""
+        sign = next((sign for sign, outcome in work.outcomes if outcome.reason == "closed"), 0.0)
+        other = [number for number, row in enumerate(work.rows) if row["s"][0] * sign < 0.0]
+        if not other:
+            return
+        first = work.rows[: other[0]]
+        before = {row["s"][0] for row in first}
+        kept = [n for n, p in enumerate(work.special_points) if p.s in before and p.label != END]
+        later = [p for n, p in enumerate(work.special_points) if p.s * sign > 0.0 and n not in kept]
+        rows = [row for row in work.rows[other[0] :] if row["s"][0] * sign > 0.0]
+        work.rows, work.special_points = first + rows, [work.special_points[n] for n in kept] + later
+        work.outcomes = [(side, outcome) for side, outcome in work.outcomes if side == sign]
+        yield Cut(work.info, len(first), tuple(kept))
+        left = iter(later)
+        for row in rows:
+            yield Found(work.info, row, next(left) if row["special"][0] else None)
+        for point in left:
+            yield Found(work.info, None, point)
 
     def _direction(
         self,
@@ -154,7 +176,10 @@ class BranchWalk:
     ) -> Iterator[Event]:
         """One direction of a branch, walked from a place to its end."""
         settings, last = self._plan.settings, place[1].sample
-        for event in walk(*place, settings, observer, sign, settings.max_points - spent(work, sign)):
+        done = sum(1 for row in work.rows if row["s"][0] * sign > 0.0)
+        begun = from_row(problem, work.rows[0][0], sign, work.info.parent is not None)[1] if done else None
+        left = settings.max_points - spent(work, sign)
+        for event in walk(*place, settings, observer, sign, left, begun=begun, done=done):
             if isinstance(event, End):
                 outcome = with_what_stands_still(event.outcome, work.rows, sign, problem.line.free)
                 end = replace(event.special, note=outcome.message)

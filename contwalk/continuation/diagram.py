@@ -26,7 +26,7 @@ from contwalk.continuation.branch_in_progress import (
     outdated,
 )
 from contwalk.continuation.branch_walk import BranchWalk
-from contwalk.continuation.events import Began, Ended, Event, Noted, Plan
+from contwalk.continuation.events import Began, Dropped, Ended, Event, Noted, Plan
 from contwalk.continuation.growing import grown
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.opening import Opening
@@ -80,8 +80,10 @@ class Diagram:
         """Everything that happens, as it happens."""
         for start in self._queue():
             stored = self._claim(start)
-            known = None if stored else self._known(start)
+            known = self._known(start)
             if known is not None:
+                if stored:  # begun when the other one had not yet come so far
+                    yield Dropped(stored, known.branch)
                 if self._ahead is not None:
                     for task in self._tasks(start):
                         self._ahead.drop(task)

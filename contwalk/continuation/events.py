@@ -58,6 +58,17 @@ class Ended:
 
 
 @dataclass(frozen=True)
+class Dropped:
+    """A branch that is stored is no branch of its own: another one has gone on to where it is.
+
+    `known` is the other one's name.
+    """
+
+    name: str
+    known: str
+
+
+@dataclass(frozen=True)
 class Noted:
     """Something about the diagram as a whole, under a key."""
 
@@ -65,4 +76,4 @@ class Noted:
     text: str
 
 
-Event = Began | Found | Cut | Ended | Noted
+Event = Began | Found | Cut | Ended | Dropped | Noted

@@ -44,6 +44,9 @@ def walk(
     observer: Observer,
     sign: float,
     points: int,
+    *,
+    begun: ContinuationState | None = None,
+    done: int = 0,
 ) -> Iterator[Point | End]:
     """Solutions along a branch from `state`, special points in their places, and how it ended.
 
@@ -55,8 +58,12 @@ def walk(
         +1 where arclength grows along the walk, -1 where it decreases (the other direction from a start).
     points : int
         How many points there may still be.
+    begun : ContinuationState, optional
+        Where the walk began that goes on here; a branch that comes back there is closed.
+    done : int
+        How many points it has had since.
     """
-    origin, number = state, 0
+    origin, number = begun or state, 0
     try:
         while True:
             taken: Step | None = None
@@ -83,7 +90,7 @@ def walk(
                 taken, state = step, _arrived(problem, step, state, sign, settings, before)
             problem, state = yield from _taken_up(problem, state)
             number += 1
-            if number > 3 and taken is not None and taken.closes(origin):
+            if done + number > 3 and taken is not None and taken.closes(origin):
                 outcome = outcomes.closed()
                 break
     except outcomes.BREAKDOWNS as error:

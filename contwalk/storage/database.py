@@ -133,7 +133,7 @@ class Database(ABC):
 
     @abstractmethod
     def write_note(self, key: str, text: str) -> None:
-        """Keep a text under a key; the last one counts."""
+        """Keep a text under a key; the last one counts, and an empty one takes it back."""
 
     @abstractmethod
     def notes(self) -> dict[str, str]:

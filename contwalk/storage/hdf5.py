@@ -226,7 +226,8 @@ class Hdf5Database(FileDatabase):
         """All notes."""
         self._check_open()
         with failures_of(self._path, "read"):
-            return dict(map(decode, joined(self._notes.read())))
+            known = dict(map(decode, joined(self._notes.read())))
+            return {key: text for key, text in known.items() if text}
 
     def _rewrite(
         self, truncated: Mapping[str, tuple[int, list[int]]] | None = None, dropped: str = ""

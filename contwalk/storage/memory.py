@@ -140,7 +140,7 @@ class MemoryDatabase(Database):
     def notes(self) -> dict[str, str]:
         """All notes."""
         self._check_open()
-        return dict(self._notes)
+        return {key: text for key, text in self._notes.items() if text}
 
     def _check_open(self) -> None:
         if self._closed:

@@ -59,17 +59,22 @@ class Claims:
 
     A branch that goes on may get further special points, and so starts may come in another order than that in
     which branches were stored. A start is told by where it leaves its parent, and by its first point.
+
+    Attributes
+    ----------
+    left : list of str
+        Stored branches that no start has claimed.
     """
 
     def __init__(self, db: Database) -> None:
         self._db = db
-        self._left = db.branch_names()
+        self.left = db.branch_names()
 
     def __call__(self, start: Start) -> str | None:
         """The name of the stored branch, or None."""
-        found = next((name for name in self._left if self._belongs(name, start)), None)
+        found = next((name for name in self.left if self._belongs(name, start)), None)
         if found is not None:
-            self._left.remove(found)
+            self.left.remove(found)
         return found
 
     def _belongs(self, name: str, start: Start) -> bool:
@@ -83,6 +88,13 @@ class Claims:
         first, weights = rows[0]["unknowns"], rows[0]["weights"]
         first = np.append(first[np.isfinite(first)], rows[0]["free"][0])
         return len(first) == len(z) and bool(np.all(np.abs(first - z) <= CLOSE * weights[: len(z)]))
+
+
+def claims_of(db: Database) -> dict[str, Any]:
+    """How starts find their stored branches, where these need not be in the order of the starts."""
+    if not db.header.provenance.get(WIDENED):
+        return {}
+    return {"claim": Claims(db), "taken": db.branch_names()}
 
 
 def _of_one_origin(info: BranchInfo, start: Start) -> bool:

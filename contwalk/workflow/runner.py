@@ -17,7 +17,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.ahead import Ahead
 from contwalk.continuation.branch_in_progress import Stored
 from contwalk.continuation.diagram import Diagram
-from contwalk.continuation.events import Began, Cut, Ended, Event, Found, Noted
+from contwalk.continuation.events import Began, Cut, Dropped, Ended, Event, Found, Noted
 from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.numerics.threads import one_thread
 from contwalk.special_point import allowed_error
@@ -29,7 +29,7 @@ from contwalk.system.loading import plugin_files
 from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.file_names import beside
-from contwalk.workflow.going_on import WIDENED, Claims, differences, header_of_both
+from contwalk.workflow.going_on import claims_of, differences, header_of_both
 from contwalk.workflow.machine import name_of_machine
 from contwalk.workflow.plans import (
     Study,
@@ -123,7 +123,7 @@ def run(
         for _, _, notes in studies:
             for text in notes:
                 reporter.note(text)
-        claims = _claims(db)
+        claims = claims_of(db)
         diagram = Diagram(
             all_starts(studies),
             coverage_of(run_file),
@@ -135,6 +135,9 @@ def run(
         recorder.record(diagram)
         if run_file.loci is not None and not result.interrupted:
             recorder.record(_curves(run_file, db, diagram.branches, claims, recorder.note))
+        if claims and not result.interrupted:
+            for name in claims["claim"].left:
+                recorder.drop(name, "the study that has gone on has no such start")
         result.branches = db.branches()
         if run_file.loci is not None and not any(b.info.problem == "locus" for b in result.branches):
             recorder.note("loci", NO_CURVE)
@@ -229,13 +232,6 @@ def _check_resumable(run_file: RunFile, db: FileDatabase) -> None:
         )
 
 
-def _claims(db: Database) -> dict[str, Any]:
-    """How starts find their stored branches, where these need not be in the order of the starts."""
-    if not db.header.provenance.get(WIDENED):
-        return {}
-    return {"claim": Claims(db), "taken": db.branch_names()}
-
-
 def provenance(run_file: RunFile) -> dict[str, Any]:
     """Where and with what a database was made, as plain values."""
     import h5py
@@ -317,8 +313,18 @@ class _Recorder:
             self.db.finish(event.branch.name, event.branch.outcome, event.branch.cost)
             self._current = None
             self.reporter.branch_ended(event.branch)
+        elif isinstance(event, Dropped):
+            self.drop(event.name, f"it lies on branch {event.known}, which has gone on to it")
         elif isinstance(event, Noted):
             self.note(event.key, event.text)
+
+    def drop(self, name: str, why: str) -> None:
+        """Remove a branch that the finished study does not have, with all that was said of it."""
+        for key in self.db.notes():
+            if any(word.split("/")[0] == name for word in key.split()):
+                self.db.write_note(key, "")
+        self.db.drop(name)
+        self.note(f"dropped {name}", f"{name} is left out: {why}.")
 
     def _found(self, event: Found) -> None:
         name = event.info.name

@@ -130,6 +130,8 @@ def test_notes(db, reread):
     db.write_note("seeds", "old")
     db.write_note("seeds", "b1/HB1 is b2: ≈")
     db.write_note("queue", "ä" * 5000)
+    db.write_note("taken back", "b3 is integrated")
+    db.write_note("taken back", "")
     assert reread(db).notes() == {"seeds": "b1/HB1 is b2: ≈", "queue": "ä" * 5000}
 
 

@@ -107,6 +107,39 @@ def test_a_run_that_is_cut_again_and_again_goes_on_to_the_same_diagram(folder, w
     assert_same(folder / "whole.h5", folder / "often.h5")
 
 
+LOOP = """
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    dx[0] = 1.0 - p.mu**2 - (x[0] - 0.1) ** 2 / 4.0
+
+SYSTEM = System(
+    name="loop",
+    states=(State("x"),),
+    parameters=(Parameter("mu", 0.0),),
+    modes=(Mode("smooth", field),),
+)
+"""
+CLOSED = """
+contwalk: 1
+system: ./loop.py
+start: {state: {x: 2.1}}
+continue: {parameter: mu, range: [-2.0, 2.0]}
+"""
+
+
+def test_a_closed_branch_that_is_cut_closes_at_its_own_start(tmp_path):
+    """Not where it was taken up again, a whole turn later."""
+    (tmp_path / "loop.py").write_text(LOOP)
+    (tmp_path / "run.yaml").write_text(CLOSED)
+    whole = study(tmp_path, "whole.h5")
+    for number in (2, 5, len(whole) // 2, len(whole) - 2):
+        output = f"cut{number}.h5"
+        assert study(tmp_path, output, number) == whole[:number]
+        study(tmp_path, output, resume=True)
+        assert_same(tmp_path / "whole.h5", tmp_path / output)
+
+
 GROWING = """
 from contwalk.system import Mode, Parameter, State, System
 

@@ -142,3 +142,68 @@ def test_other_figures_are_no_other_study(compute, tmp_path):
     with Hdf5Database.open(tmp_path / "run.h5") as db:
         assert "bifurcation_diagram" in db.header.config
         assert "widened" not in db.header.provenance
+
+
+# The branch through x = 0 is crossed twice by a loop, which is longer than it.
+LOOP = """\
+from contwalk.system import Mode, Parameter, Start, State, System
+
+def field(t, x, p, dx):
+    dx[0] = x[0] * (1.0 - p.r ** 2 - x[0] ** 2 / 9.0 + 0.1 * x[0])
+
+SYSTEM = System(
+    "loop", states=(State("x"),), parameters=(Parameter("r", 0.0),),
+    modes=(Mode("only", field),), starts=(Start("rest", lambda p: [[0.0]]),),
+)
+"""
+
+
+@pytest.mark.parametrize("points", [40, 70, 150])
+def test_a_loop_that_was_cut_before_it_closed_is_one_branch(compute, tmp_path, points):
+    """With 70 points it has been begun at both crossings; the second part is the first one's, and dropped."""
+    (tmp_path / "forks.py").write_text(LOOP, encoding="utf-8")
+    whole = compute("whole.h5", "continue.range=[-2.0, 2.0]").branches
+    assert [branch.outcome.reason for branch in whole] == ["bound", "closed"]
+    compute("more.h5", "continue.range=[-2.0, 2.0]", f"continue.max_points={points}")
+    again = compute("more.h5", "continue.range=[-2.0, 2.0]", resume=True).branches
+    assert [numbers(branch) for branch in again] == [numbers(branch) for branch in whole]
+    assert [branch.special_points for branch in again] == [branch.special_points for branch in whole]
+    assert [branch.outcome for branch in again] == [branch.outcome for branch in whole]
+    with open_database(tmp_path / "more.h5") as more, open_database(tmp_path / "whole.h5") as one:
+        assert set(one.notes().items()) <= set(more.notes().items())
+        assert ("b3 is left out" in str(more.notes())) == (points == 70)
+
+
+# Folds at mu = -c and c, on one curve with a cusp at a = 0.
+CUSP = """\
+from contwalk.system import Mode, Parameter, Start, State, System
+
+def field(t, x, p, dx):
+    dx[0] = p.r + p.a * x[0] - x[0] ** 3
+
+SYSTEM = System(
+    "cusp", states=(State("x"),), parameters=(Parameter("r", -1.0), Parameter("a", 1.0)),
+    modes=(Mode("only", field),), starts=(Start("low", lambda p: [[-1.3247]]),),
+)
+"""
+
+
+@pytest.mark.parametrize("points", [20, 60, 90])
+def test_curves_of_a_study_that_was_cut_are_those_of_the_whole_one(compute, tmp_path, points):
+    """With 60 points the curve is begun at both folds, with 20 at one, when the second is not yet found."""
+    (tmp_path / "forks.py").write_text(CUSP, encoding="utf-8")
+    asked = [
+        "start={equilibrium: low}",
+        "continue.range=[-1.0, 1.0]",
+        "loci={with: a, range: [-1.0, 2.0], of: LP}",
+    ]
+    whole = compute("whole.h5", *asked).branches
+    assert [(branch.name, branch.info.problem) for branch in whole] == [
+        ("b1", "equilibrium"),
+        ("b2", "locus"),
+    ]
+    compute("more.h5", *asked, f"continue.max_points={points}")
+    again = compute("more.h5", *asked, resume=True).branches
+    assert [branch.name for branch in again] == ["b1", "b2"]
+    assert [numbers(branch) for branch in again] == [numbers(branch) for branch in whole]
+    assert [branch.special_points for branch in again] == [branch.special_points for branch in whole]
