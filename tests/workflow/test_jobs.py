@@ -251,8 +251,8 @@ def test_the_other_direction_of_a_closed_branch_is_not_there(tmp_path):
 def test_an_error_on_one_side_ends_the_branch_as_it_does_alone(study, monkeypatch, side):
     own = branch_walk.walk
 
-    def breaking(problem, state, settings, observer, sign, most):
-        for number, event in enumerate(own(problem, state, settings, observer, sign, most)):
+    def breaking(problem, state, settings, observer, sign, most, **rest):
+        for number, event in enumerate(own(problem, state, settings, observer, sign, most, **rest)):
             if sign == side and number == 4:
                 raise PluginError("Broken for the test.")
             yield event
