@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
 from contextlib import suppress
 from functools import partial
 from typing import Any
 
 from contwalk.continuation.ahead import Message, Task
 from contwalk.errors import ContwalkError
-from contwalk.workflow.walking_ahead import StudyText, walked
+from contwalk.workflow.walking_ahead import StudyText, walked, walked_here
 
 
 class NoExecutor(ContwalkError):
@@ -25,19 +26,23 @@ class Executed:
     executor : object
         With `submit(function, *arguments)`, whose result has `result()`, as of `concurrent.futures` and dask;
         or with `map(function, items)` alone.
+    tell : callable, optional
+        Given a sentence where a branch is walked here instead: what is stored does not show it.
 
     Raises
     ------
     NoExecutor
     """
 
-    def __init__(self, study: StudyText, executor: Any) -> None:
+    def __init__(
+        self, study: StudyText, executor: Any, tell: Callable[[str], None] = lambda text: None
+    ) -> None:
         if not hasattr(executor, "submit") and not hasattr(executor, "map"):
             raise NoExecutor(
                 f"The executor {executor!r} has neither submit nor map.",
                 "Give a concurrent.futures executor, a client of dask.distributed, or any object with map.",
             )
-        self._study, self._executor = study, executor
+        self._study, self._executor, self._tell = study, executor, tell
         self._waiting: dict[Task, None] = {}
         self._futures: dict[Task, Any] = {}
         self._known: dict[Task, list[Message]] = {}
@@ -65,10 +70,19 @@ class Executed:
         self.expect([task])
         if task not in self._known:
             if task in self._futures:
-                self._known[task] = self._futures.pop(task).result()
+                self._known[task] = self._result(task)
             else:
                 self._map()
         yield from self._known.pop(task)
+
+    def _result(self, task: Task) -> list[Message]:
+        """What was found elsewhere; walked here where that has failed, as of a process that was killed."""
+        try:
+            found: list[Message] = self._futures.pop(task).result()
+        except Exception as error:  # of whatever calls functions there
+            self._tell(walked_here(f"{type(error).__name__}: {error}"))
+            return walked(self._study, task)
+        return found
 
     def close(self) -> None:
         """Give up what is not wanted any more."""
@@ -80,7 +94,11 @@ class Executed:
 
     def _submit(self) -> None:
         for task in sorted(self._waiting, key=lambda task: task.turn):
-            self._futures[task] = self._executor.submit(walked, self._study, task)
+            try:
+                self._futures[task] = self._executor.submit(walked, self._study, task)
+            except Exception as error:  # of a pool that has broken before
+                self._futures[task] = Future()
+                self._futures[task].set_exception(error)
         self._waiting.clear()
 
     def _map(self) -> None:

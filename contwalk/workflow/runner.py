@@ -119,7 +119,8 @@ def run(
         check_figures(run_file, replacing=force or (resume and run_file.output.exists()))
     studies = studies_of(run_file)
     result = RunResult(run_file.output)
-    with _database(run_file, resume, force) as db, _ahead(run_file, studies, jobs, executor) as ahead:
+    walkers = _ahead(run_file, studies, jobs, executor, reporter.note)
+    with _database(run_file, resume, force) as db, walkers as ahead:
         for _, _, notes in studies:
             for text in notes:
                 reporter.note(text)
@@ -153,7 +154,9 @@ def run(
 
 
 @contextmanager
-def _ahead(run_file: RunFile, studies: Sequence[Study], jobs: int, executor: Any) -> Iterator[Ahead | None]:
+def _ahead(
+    run_file: RunFile, studies: Sequence[Study], jobs: int, executor: Any, tell: Callable[[str], None]
+) -> Iterator[Ahead | None]:
     """Who walks branches ahead of their turn, if anybody does; nobody is left behind."""
     if jobs == 1 and executor is None:
         yield None
@@ -163,7 +166,7 @@ def _ahead(run_file: RunFile, studies: Sequence[Study], jobs: int, executor: Any
     from contwalk.workflow.workers import Workers
 
     study = StudyText.of(run_file)
-    ahead = Workers(study, jobs) if executor is None else Executed(study, executor)
+    ahead = Workers(study, jobs, tell) if executor is None else Executed(study, executor, tell)
     try:
         ahead.expect(first_tasks(run_file, studies))
         yield ahead

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 from bisect import insort
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import islice
@@ -17,10 +17,15 @@ from typing import Any
 
 from contwalk.continuation.ahead import Message, Task
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk
-from contwalk.workflow.walking_ahead import StudyText, Walker
+from contwalk.workflow.walking_ahead import StudyText, Walker, walked_here
 
 # A branch that has ended so many processes is walked by this one.
 MOST_LOST = 2
+# What is said of a process that has ended.
+LOST = (
+    "A process that walked a branch has ended, by itself or by a signal; another one walks the branch again, "
+    "to the same points."
+)
 
 
 @dataclass(frozen=True)
@@ -94,10 +99,12 @@ class Workers:
     study : StudyText
     count : int
         Processes, at most; each begins when there is something to do for it.
+    tell : callable, optional
+        Given a sentence where a branch is walked again: what is stored does not show it.
     """
 
-    def __init__(self, study: StudyText, count: int) -> None:
-        self._study, self._count = study, count
+    def __init__(self, study: StudyText, count: int, tell: Callable[[str], None] = lambda text: None) -> None:
+        self._study, self._count, self._tell = study, count, tell
         self._lock = threading.RLock()
         self._processes: list[_Process] = []
         self._feeds: dict[Task, _Feed] = {}
@@ -135,10 +142,12 @@ class Workers:
                     taken = place
                     yield answer.message
             elif isinstance(answer, _Again):
+                self._tell(LOST)
                 place = 0
             elif isinstance(answer, Finished):
                 break
             else:
+                self._tell(walked_here(answer.trace))
                 yield from islice(Walker(self._study).messages(task), taken, None)
                 break
         with self._lock:

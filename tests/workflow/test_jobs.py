@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -19,7 +20,7 @@ from contwalk.workflow.executors import NoExecutor
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
 from contwalk.workflow.walking_ahead import Seeds, StudyText, Walker
-from contwalk.workflow.workers import MOST_LOST, Workers
+from contwalk.workflow.workers import LOST, MOST_LOST, Workers
 
 ROOT = Path(__file__).parents[2]
 
@@ -157,7 +158,8 @@ def test_a_killed_process_loses_nothing(study):
     text = StudyText.of(read_run_file(study))
     expected = shown(Walker(text).messages(Task((2,))))
     for kills in (1, MOST_LOST, MOST_LOST + 1):  # after the last one it is walked here
-        workers = Workers(text, 1)
+        told: list[str] = []
+        workers = Workers(text, 1, told.append)
         try:
             found, left = [], kills
             for message in workers.messages(Task((2,))):
@@ -167,6 +169,9 @@ def test_a_killed_process_loses_nothing(study):
                         os.kill(number, signal.SIGKILL)
                     left -= 1
             assert shown(found) == expected
+            assert told[: min(kills, MOST_LOST)] == [LOST] * min(kills, MOST_LOST)
+            here = [text for text in told if "in the run's own process" in text]
+            assert len(here) == (kills > MOST_LOST)
         finally:
             workers.close()
 
@@ -177,8 +182,13 @@ def test_a_run_goes_on_though_a_process_is_killed(study, monkeypatch):
     begin = Workers.__init__
     monkeypatch.setattr(Workers, "__init__", lambda own, *given: (made.append(own), begin(own, *given))[1])
 
+    told: list[str] = []
+
     class Killing(Reporter):
         left = 3
+
+        def note(self, text):
+            told.append(text)
 
         def point(self, info, parameter, step, unstable, number):
             if number == 5 and self.left:
@@ -189,7 +199,37 @@ def test_a_run_goes_on_though_a_process_is_killed(study, monkeypatch):
     reporter = Killing()
     assert_identical(alone, computed(study, "2.h5", jobs=2, reporter=reporter))
     assert reporter.left == 0
+    assert LOST in told
     assert made[0].process_ids == []
+
+
+class Breaking:
+    """As of a pool whose process was killed by the system: what is asked for later is refused at once."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    def submit(self, function, *arguments):
+        self.asked += 1
+        if self.asked > 2:
+            raise BrokenProcessPool("A process in the pool was terminated abruptly.")
+        future: Future = Future()
+        future.set_exception(BrokenProcessPool("A process in the pool was terminated abruptly."))
+        return future
+
+
+def test_a_run_goes_on_though_its_pool_breaks(study):
+    told: list[str] = []
+
+    class Telling(Reporter):
+        def note(self, text):
+            told.append(text)
+
+    alone = computed(study, "1.h5")
+    assert_identical(alone, computed(study, "2.h5", executor=Breaking(), reporter=Telling()))
+    said = [text for text in told if text.startswith("A branch is walked in the run's own process")]
+    assert said
+    assert all("BrokenProcessPool: A process in the pool was terminated abruptly." in text for text in said)
 
 
 class OnlyMap:
