@@ -10,7 +10,7 @@ from typing import Any
 
 from contwalk.continuation.ahead import Message, Task
 from contwalk.errors import ContwalkError
-from contwalk.workflow.walking_ahead import StudyText, walked, walked_here
+from contwalk.workflow.walking_ahead import StudyText, failed_elsewhere, walked
 
 
 class NoExecutor(ContwalkError):
@@ -80,7 +80,7 @@ class Executed:
         try:
             found: list[Message] = self._futures.pop(task).result()
         except Exception as error:  # of whatever calls functions there
-            self._tell(walked_here(f"{type(error).__name__}: {error}"))
+            self._tell(failed_elsewhere(f"{type(error).__name__}: {error}"))
             return walked(self._study, task)
         return found
 

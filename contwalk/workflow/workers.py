@@ -17,7 +17,7 @@ from typing import Any
 
 from contwalk.continuation.ahead import Message, Task
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk
-from contwalk.workflow.walking_ahead import StudyText, Walker, walked_here
+from contwalk.workflow.walking_ahead import StudyText, Walker, failed_elsewhere
 
 # A branch that has ended so many processes is walked by this one.
 MOST_LOST = 2
@@ -147,7 +147,7 @@ class Workers:
             elif isinstance(answer, Finished):
                 break
             else:
-                self._tell(walked_here(answer.trace))
+                self._tell(failed_elsewhere(answer.trace))
                 yield from islice(Walker(self._study).messages(task), taken, None)
                 break
         with self._lock:

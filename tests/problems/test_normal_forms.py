@@ -74,3 +74,20 @@ def test_deviations_are_measured_in_what_moves_where_a_state_is_at_rest_and_tell
     motion = np.array([[1.0, 0.0, 0.0, np.nan], [5.0, 0.0, 0.0, 7.0]])
     magnitudes = np.array([5.0, 1e-9, 4.0, 7.0])
     assert units(system, motion, magnitudes).tolist() == [2.0, 2.0, 4.0, 7.0]
+
+
+def beside_a_double_zero(t, x, p, dx):
+    """A fold at x = 0 and, for b2 > 0, a Hopf point at x = -b2 (Bogdanov and Takens)."""
+    dx[0] = x[1]
+    dx[1] = p.b1 + p.b2 * x[1] + x[0] ** 2 + x[0] * x[1]
+
+
+@pytest.mark.parametrize("apart", [1e-3, 1e-7, 1e-9, 0.0])
+def test_a_hopf_point_beside_a_fold_is_found_or_said_to_be_hidden(apart):
+    problem = small_problem(beside_a_double_zero, "xy", {"b1": -0.3, "b2": apart}, "b1")
+    branch = cw.continue_branch(problem, [-np.sqrt(0.3), 0.0], (-0.5, 0.2))
+    (fold,) = labelled(branch, "LP")
+    found = [point.state["x"] for point in labelled(branch, "HB")]
+    hidden = "a Hopf point this near to the fold is not told apart" in (fold.note or "")
+    assert found == ([] if hidden else [pytest.approx(-apart, rel=1e-9)])
+    assert hidden == (apart < 1e-8)

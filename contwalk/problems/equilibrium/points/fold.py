@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from contwalk.problems.equilibrium.defining_systems import real_eigenvalue
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import Forms, critical_vectors
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.problem import Located, Sample, Test
+
+# Said of a fold whose second eigenvalue has no sign: then nothing tells whether a pair crosses beside it.
+SECOND = (
+    "a second eigenvalue is zero to what it is known to, as at a Bogdanov-Takens point: "
+    "a Hopf point this near to the fold is not told apart from it"
+)
 
 
 class Fold(EquilibriumPoint):
@@ -22,7 +30,9 @@ class Fold(EquilibriumPoint):
 
     def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """The coefficients of y' = b mu + a y^2."""
-        return None, None, fold_coefficients(problem, located), None
+        zeros = np.abs(sample.eigenvalues - sample.critical) <= sample.errors
+        note = SECOND if np.count_nonzero(zeros) > 1 else None
+        return None, None, fold_coefficients(problem, located), note
 
 
 def fold_coefficients(problem: EquilibriumEquations, located: Located) -> dict[str, Any]:
