@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
@@ -16,6 +17,7 @@ from contwalk.continuation import branch_walk
 from contwalk.continuation.ahead import NAMELESS, Ends, Note, Point, Task
 from contwalk.errors import PluginError
 from contwalk.storage import open_database
+from contwalk.workflow import workers
 from contwalk.workflow.executors import NoExecutor
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
@@ -158,8 +160,7 @@ def test_a_killed_process_loses_nothing(study):
     text = StudyText.of(read_run_file(study))
     expected = shown(Walker(text).messages(Task((2,))))
     for kills in (1, MOST_LOST, MOST_LOST + 1):  # after the last one it is walked here
-        told: list[str] = []
-        workers = Workers(text, 1, told.append)
+        workers = Workers(text, 1)
         try:
             found, left = [], kills
             for message in workers.messages(Task((2,))):
@@ -169,11 +170,34 @@ def test_a_killed_process_loses_nothing(study):
                         os.kill(number, signal.SIGKILL)
                     left -= 1
             assert shown(found) == expected
-            assert told[: min(kills, MOST_LOST)] == [LOST] * min(kills, MOST_LOST)
-            here = [text for text in told if "in the run's own process" in text]
-            assert len(here) == (kills > MOST_LOST)
         finally:
             workers.close()
+
+
+class Ending:
+    """A process that ends as soon as it is asked for a branch."""
+
+    number = 0
+
+    def __init__(self, pool) -> None:
+        self.task, self._pool = None, pool
+
+    def send(self, request) -> None:
+        threading.Thread(target=self._pool.ended, args=(self,)).start()
+
+    def end(self) -> None:
+        pass
+
+
+def test_it_is_said_that_a_process_has_ended_and_where_its_branch_is_walked(study, monkeypatch):
+    monkeypatch.setattr(workers, "_Process", Ending)
+    text, told = StudyText.of(read_run_file(study)), list[str]()
+    pool = Workers(text, 1, told.append)
+    assert shown(pool.messages(Task((2,)))) == shown(Walker(text).messages(Task((2,))))
+    assert told[:-1] == [LOST] * MOST_LOST
+    assert told[-1].startswith(
+        "A branch is walked in the run's own process, because others have failed at it"
+    )
 
 
 def test_a_run_goes_on_though_a_process_is_killed(study, monkeypatch):
@@ -182,13 +206,8 @@ def test_a_run_goes_on_though_a_process_is_killed(study, monkeypatch):
     begin = Workers.__init__
     monkeypatch.setattr(Workers, "__init__", lambda own, *given: (made.append(own), begin(own, *given))[1])
 
-    told: list[str] = []
-
     class Killing(Reporter):
         left = 3
-
-        def note(self, text):
-            told.append(text)
 
         def point(self, info, parameter, step, unstable, number):
             if number == 5 and self.left:
@@ -199,7 +218,6 @@ def test_a_run_goes_on_though_a_process_is_killed(study, monkeypatch):
     reporter = Killing()
     assert_identical(alone, computed(study, "2.h5", jobs=2, reporter=reporter))
     assert reporter.left == 0
-    assert LOST in told
     assert made[0].process_ids == []
 
 
