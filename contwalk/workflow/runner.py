@@ -18,17 +18,15 @@ from contwalk.continuation.ahead import Ahead
 from contwalk.continuation.branch_in_progress import Stored
 from contwalk.continuation.diagram import Diagram
 from contwalk.continuation.events import Began, Cut, Dropped, Ended, Event, Found, Noted
-from contwalk.errors import ContwalkError, DatabaseError
+from contwalk.errors import DatabaseError
 from contwalk.numerics.threads import one_thread
 from contwalk.special_point import allowed_error
 from contwalk.storage.backends import backend_of
 from contwalk.storage.database import Database, RunHeader
-from contwalk.storage.failures import refuse_existing
 from contwalk.storage.file_database import FileDatabase
 from contwalk.system.loading import plugin_files
 from contwalk.workflow.equations import equations_hash, equations_text
-from contwalk.workflow.figures import draw_figure
-from contwalk.workflow.file_names import beside
+from contwalk.workflow.figures_of_run import check_figures, drawn
 from contwalk.workflow.going_on import claims_of, differences, header_of_both
 from contwalk.workflow.machine import name_of_machine
 from contwalk.workflow.plans import (
@@ -149,7 +147,7 @@ def run(
             if key not in recorder.noted:  # of an earlier process, of branches that it finished
                 reporter.note(text)
     if figures and not result.interrupted:
-        result.figures = list(_figures(run_file, result, reporter))
+        result.figures = list(drawn(run_file, result.branches, reporter.note))
     return result
 
 
@@ -330,16 +328,21 @@ class _Recorder:
         self.note(f"dropped {name}", f"{name} is left out: {why}.")
 
     def _found(self, event: Found) -> None:
+        """Store a point with what is special at it, then tell of both: a run that goes on computes a special
+        point without its record anew, and what was told before would be gone if it were killed again.
+        """
         name = event.info.name
         if event.row is not None:
             self.db.append(name, event.row)
+        if event.special is not None:
+            self.db.append_special(name, event.special)
+        if event.row is not None:
             row = event.row[0]
             self._number += 1
             self.reporter.point(
                 event.info, float(row["free"][0]), float(row["step"]), int(row["unstable"]), self._number
             )
         if event.special is not None:
-            self.db.append_special(name, event.special)
             self.reporter.special(event.info, event.special)
             self._check_accuracy(event.info, event.special)
 
@@ -355,53 +358,3 @@ class _Recorder:
                 f"{point.error:.1e}{share}: more than the accuracy of {self.accuracy:g} that was asked for."
             )
             self.note(f"accuracy {info.name} {point.label} {point.s!r}", text)
-
-
-def check_figures(run_file: RunFile, replacing: bool) -> None:
-    """Refuse names of figures that cannot be written, before anything is computed.
-
-    Files that bear the output's name belong to it and are replaced. One that the run file names itself may be
-    anybody's: it is replaced only where the database is, or goes on (`replacing`).
-
-    Raises
-    ------
-    ContwalkError
-    """
-    if not run_file.figures:
-        return
-    from contwalk.plotting.style import check_format
-
-    paths = _figure_paths(run_file)
-    for path, figure in zip(paths, run_file.figures, strict=True):
-        check_format(path)
-        refuse_existing([path], force=replacing or "file" not in figure.options)
-
-
-def _figure_paths(run_file: RunFile) -> list[Path]:
-    """Files beside the database, `X_<figure>.png` of `X.h5` unless the run file names them."""
-    output, paths = run_file.output, []
-    for number, figure in enumerate(run_file.figures):
-        same = [f.name for f in run_file.figures[:number]].count(figure.name)
-        suffix = f"_{same + 1}" if same else ""
-        own = beside(output, f"{figure.name}{suffix}.png")
-        paths.append(output.parent / str(figure.options["file"]) if figure.options.get("file") else own)
-    return paths
-
-
-def _figures(run_file: RunFile, result: RunResult, reporter: Reporter) -> Iterator[Path]:
-    """The figures of the run file, drawn."""
-    if run_file.figures and not any(len(branch) for branch in result.branches):
-        reporter.note("No branch has a point, so no figure was drawn.")
-        return
-    for figure, path in zip(run_file.figures, _figure_paths(run_file), strict=True):
-        options = dict(figure.options)
-        if figure.name == "stability_map" and "y" not in options and run_file.sweep is not None:
-            options["y"] = run_file.sweep[0]
-
-        def report(text: str, name: str = figure.name) -> None:
-            reporter.note(f"Figure '{name}': {text}")
-
-        try:
-            yield draw_figure(figure.name, result.branches, run_file.system, path, options, report=report)
-        except ContwalkError as error:
-            reporter.note(f"The figure '{figure.name}' was not drawn: {error}")
