@@ -60,7 +60,8 @@ def _decided(point: SpecialPoint) -> bool:
     if point.label == "NS":  # at a strong resonance the normal form is another one
         return "d" in point.coefficients
     if point.label == "BP":  # a vertical branch has none: its cubic coefficient vanishes
-        return point.kind in ("pitchfork", "symmetry-breaking") and point.coefficients.get("c", 0.0) != 0.0
+        # One at which the branch is its parent's again has no coefficients, but the parent's criticality.
+        return point.kind in ("pitchfork", "symmetry-breaking") and point.coefficients.get("c", 1.0) != 0.0
     return point.label == "HB" or (point.label == "PD" and point.coefficients["c"] != 0.0)
 
 
