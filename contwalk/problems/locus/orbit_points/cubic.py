@@ -19,8 +19,7 @@ from contwalk.problems.problem import Located, Sample, Test
 FIFTH = "the coefficient of fifth order, which tells the sides, is not computed"
 
 # Cubic terms are cancelled by squares of quadratic ones: where deviations grow by more, as right beside a
-# grazing
-# of the orbit's own event, rounding leaves nothing of the difference.
+# grazing of the orbit's own event, rounding leaves nothing of the difference.
 MOST_GROWTH = 5e5
 
 
@@ -30,13 +29,16 @@ class VanishingCubic(OrbitLocusPoint):
     test, of_place = Test.VALUE, True
 
     def value(self, problem: Any, sample: Sample) -> float:
-        """The cubic coefficient without its poles; zero where it is no more than errors of the steps.
+        """The cubic coefficient without its poles; zero where it is no more than errors of the steps, or is
+        none; NaN where rounding hides it.
 
         Of area-preserving maps it is zero all along, and signs of errors tell nothing.
         """
+        there, own = problem.plane.first(sample.z)
+        if _drowned(there.return_map(own)):
+            return float("nan")  # what is unknown is not zero
         found, mesh = self._regular(problem, sample.z), problem.mesh
-        noise = max(VANISHES, GLOBAL * mesh.amplified * mesh.tolerance)
-        return 0.0 if abs(found) <= noise else found  # what is unknown is not zero
+        return found if abs(found) > max(VANISHES, GLOBAL * mesh.amplified * mesh.tolerance) else 0.0
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The point of the curve at which it vanishes."""
@@ -49,7 +51,7 @@ class VanishingCubic(OrbitLocusPoint):
     def _regular(self, problem: Any, z: np.ndarray) -> float:
         there, own = problem.plane.first(z)
         map_ = there.return_map(own)
-        if float(np.linalg.norm(map_.a, 2)) > MOST_GROWTH:
+        if _drowned(map_):
             return float("nan")
         values = np.linalg.eigvals(map_.a)
         factor = np.prod((1.0 - values) / (1.0 + np.abs(values)))
@@ -127,3 +129,8 @@ class Chenciner(VanishingCubic):
         """
         there, own = problem.plane.first(z)
         return normal_forms.torus(there.return_map(own), float(np.arccos(problem.further(z)[0])))
+
+
+def _drowned(map_: SectionMap) -> bool:
+    """Whether rounding hides the cubic coefficient."""
+    return float(np.linalg.norm(map_.a, 2)) > MOST_GROWTH
