@@ -60,7 +60,8 @@ class Pace:
             return Verdict(
                 "sticking",
                 f"More than {MOST_AT_ONCE} transitions follow each other at t = {t:.10g} without any time "
-                f"between them, '{name}' among them. The plugin must declare a mode for what happens there.",
+                f"between them, '{name}' among them. The plugin must declare a mode for what happens there; "
+                "one that slides along the guard is derived by contwalk systems slide.",
             )
         left = self._left(t, duration, standing)
         if left < math.inf:
