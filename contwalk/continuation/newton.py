@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,6 +32,14 @@ LABORIOUS = 4
 # Fitted unknowns take a solution out of its hyperplane: it is back in it to this part of the metric.
 ON_PLANE = 1e-9
 
+Explanation = str | Callable[[], str]
+"""A sentence, or what makes it: most steps that fail are taken again, shorter, and nobody asks why."""
+
+
+def text_of(explanation: Explanation) -> str:
+    """The sentence itself."""
+    return explanation if isinstance(explanation, str) else explanation()
+
 
 @dataclass(frozen=True)
 class Correction:
@@ -44,7 +53,12 @@ class Correction:
     linearization: Linearization | None
     iterations: int
     reason: str = ""
-    sentence: str = ""
+    explanation: Explanation = ""
+
+    @property
+    def sentence(self) -> str:
+        """Why it did not converge."""
+        return text_of(self.explanation)
 
     @property
     def ok(self) -> bool:
@@ -71,10 +85,19 @@ class _Equations:
         lin: Linearization | None,
         iterations: int,
         reason: str = "",
-        sentence: str = "",
+        explanation: Explanation = "",
     ) -> Correction:
         """What has become of the iteration."""
-        return Correction(self.problem, z, lin, iterations, reason, sentence)
+        return Correction(self.problem, z, lin, iterations, reason, explanation)
+
+    def undefined_at(self, z: np.ndarray, iterations: int) -> Correction:
+        """That they have no finite value at z; where in the plugin that is, is looked for when it is told."""
+        diagnosis = self.problem.diagnosis
+
+        def explanation() -> str:
+            return f"The equations have no finite value: {diagnosis.explain(z)}."
+
+        return self.ended(z, None, iterations, "not_finite", explanation)
 
 
 def correct(
@@ -241,8 +264,7 @@ def _iterated(
     lin = equations.at(z)
     for iteration in range(iterations + 1):
         if not lin.finite:
-            sentence = f"The equations have no finite value: {equations.problem.diagnosis.explain(z)}."
-            return equations.ended(z, None, iteration, "not_finite", sentence)
+            return equations.undefined_at(z, iteration)
         step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
         if step is None and lin.excess <= ROUNDED:
             return equations.ended(z, lin, iteration)

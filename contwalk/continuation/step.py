@@ -11,7 +11,7 @@ from contwalk.continuation import control, domain_edge, kinks_passed, limits, ou
 from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
 from contwalk.continuation.locating import Disagreement, Found, TooLong, passes_through
 from contwalk.continuation.marks import Observer, marked
-from contwalk.continuation.newton import Correction, correct
+from contwalk.continuation.newton import Correction, Explanation, correct, text_of
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
@@ -104,7 +104,7 @@ def take_step(
 ) -> Step | Outcome:
     """The longest step from here that converges, turns little, and on which the tests agree."""
     length = min(state.step, settings.max_step)
-    edge: tuple[str, str] | None = None  # a field that ends ahead is the reason, whatever stops the last step
+    edge: tuple[str, Explanation] | None = None  # where a field ends ahead: the reason, whatever stops later
     while True:
         smallest = length <= settings.min_step
         length = max(length, settings.min_step)
@@ -114,12 +114,12 @@ def take_step(
             # The branch may turn before the end of the range: along its own tangent it is regular.
             prediction = _along(state, length)
             correction = _corrected(problem, state, prediction, settings)
-        reason, sentence = correction.reason, correction.sentence
+        reason, explanation = correction.reason, correction.explanation
         # Newton's method may fail because it is asked for a solution beyond a jump.
         passed = kinks_passed.between(problem, state, correction.z if correction.ok else prediction.guess)
         jump = kinks_passed.jump(passed)
         if jump is not None:
-            reason, sentence = "plugin_error", kinks_passed.refusal(problem, jump)
+            reason, explanation = "plugin_error", kinks_passed.refusal(problem, jump)
         elif correction.ok:
             try:
                 segment = _segment(state, prediction, correction, settings, smallest)
@@ -135,21 +135,22 @@ def take_step(
                     found += at_the_end(segment)
                 return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
             except (TooLong, LostBranch) as error:
-                sentence = str(error)
+                explanation = str(error)
             except np.linalg.LinAlgError:
-                sentence = "The equations are singular there in more than one direction."
+                explanation = "The equations are singular there in more than one direction."
             except PluginError as error:
-                reason, sentence = "plugin_error", error.sentence
+                reason, explanation = "plugin_error", error.sentence
             except NotFinite as error:
-                reason, sentence = "not_finite", error.sentence
+                reason, explanation = "not_finite", error.sentence
         ends = False
         if reason in ("not_finite", "plugin_error") and jump is None:
-            edge = reason, sentence
+            edge = reason, explanation
             ends = reason == "not_finite" and domain_edge.reached(problem, state.sample)
         if ends or smallest or (length < EDGE and (edge is not None or jump is not None)):
-            reason, sentence = edge or (reason, sentence)
+            reason, explanation = edge or (reason, explanation)
             known = problem.diagnosis.obstacle(state.sample.z) or kinks_passed.sentence(problem, passed)
-            return outcomes.stuck(reason, sentence, length, observer.line.free, state.sample.parameter, known)
+            place = observer.line.free, state.sample.parameter
+            return outcomes.stuck(reason, text_of(explanation), length, *place, known)
         # A solution beyond has jumped: where it does along the step, the guess tells.
         ahead = (
             None

@@ -131,7 +131,7 @@ def _smoothly(
     from contwalk.flow import dense
     from contwalk.flow.events.motion import magnitudes, segment_parts
     from contwalk.flow.events.settling import Settling
-    from contwalk.flow.hybrid.blaming import line_without_value
+    from contwalk.flow.hybrid.functions_without_value import line_without_value
     from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
 
     system, settings = run.system, run.simulation

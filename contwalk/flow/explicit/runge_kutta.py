@@ -29,6 +29,7 @@ from contwalk.flow.explicit.explicit_call import (
 )
 from contwalk.flow.path import ErrorControl, Path, Tangents
 from contwalk.flow.tableaus.runge_kutta import RungeKutta
+from contwalk.numerics.distinct import distinct
 
 Vector = Sequence[float] | np.ndarray
 
@@ -330,7 +331,9 @@ def _interpolated(
 ) -> np.ndarray:
     """The polynomials of the steps, as many at once as memory allows; `grid` and `at` as for `_leapt`."""
     found = np.empty((len(at), call.field.n))
-    steps, belongs = np.unique(_steps_of(grid, at), return_inverse=True)
+    which = _steps_of(grid, at)
+    steps = distinct(which)
+    belongs = np.searchsorted(steps, which)
     batch = max(1, _MOST_KEPT // ((FIRST_ROWS + len(call.method.dense)) * call.field.n))
     own = np.zeros(len(grid) - 1, dtype=np.int64)
     for first in range(0, len(steps), batch):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import NO_LINE
-from contwalk.fields.blame import first_nearly_singular, first_not_finite, first_switched
-from contwalk.fields.rebind import rebound
+from contwalk.fields.blame import first_nearly_singular, first_switched
 from contwalk.flow.hybrid.event_integrator import METHOD
+from contwalk.flow.hybrid.functions_without_value import functions_of, line_without_value
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
 from contwalk.flow.hybrid.motion_segment import MotionSegment
 from contwalk.flow.integrate import along
-from contwalk.system import System, Transition
+from contwalk.system import Transition
 
 # Steps that look what has no value beyond the end of a motion, each ten times as long as the one before.
 SHARES = tuple(10.0**k for k in range(-12, -2))
@@ -24,36 +24,6 @@ SHARES = tuple(10.0**k for k in range(-12, -2))
 TRIALS = 20
 # The last steps of a motion, and how much longer the next one is made, to see what keeps them short.
 LATELY, FURTHER = 40, (1e2, 1e4, 1e6)
-
-
-def line_without_value(
-    system: System,
-    mode: str,
-    functions: Mapping[str, Callable[..., Any]],
-    t: float,
-    x: np.ndarray,
-    parameters: Mapping[str, float],
-) -> str:
-    """` The NAME: file, line n: what.` of the first function that raises or is not finite; empty if none is.
-
-    Parameters
-    ----------
-    system : System
-    mode : str
-        Whose constants the functions read.
-    functions : mapping
-        Of the form `f(t, x, p, out)`, by their names in words.
-    t, x
-        Time, and state of full length.
-    parameters : mapping
-    """
-    known = {**parameters, **system.mode(mode).constants}
-    for name, function in functions.items():
-        named = getattr(function, "guard", None)
-        found = first_not_finite(function, t, np.asarray(x, dtype=float).tolist(), known, named=named)
-        if found is not None:
-            return f" The {name}: {found}."
-    return ""
 
 
 def why_not_finite(
@@ -78,14 +48,6 @@ def why_not_finite(
     if not np.isfinite(x).all():
         return ""
     return line_without_value(system, mode, functions_of(system, mode), t, x, machine.parameters)
-
-
-def functions_of(system: System, mode: str) -> dict[str, Callable[..., Any]]:
-    """The field of a mode and the guards out of it, each in the form of a field, by their names in words."""
-    functions: dict[str, Callable[..., Any]] = {f"field of mode '{mode}'": system.mode(mode).field}
-    for each in system.leaving(mode):
-        functions[f"guard of transition '{each.name}'"] = _AsField(each.guard)
-    return functions
 
 
 def why_not_reached(machine: HybridMachine, transition: Transition, segment: MotionSegment) -> str:
@@ -184,14 +146,3 @@ def just_beyond(
             if not np.isfinite(guard(at[0], y, flow.p)[0]):
                 return Beyond(at, flow.transitions[number].name)
     return None
-
-
-class _AsField:
-    """A guard in the form of a field."""
-
-    def __init__(self, guard: Callable[..., Any]) -> None:
-        self.guard = guard
-        self._function = rebound(guard)
-
-    def __call__(self, t: Any, x: Any, p: Any, out: Any) -> None:
-        out[0] = self._function(t, x, p)

@@ -11,7 +11,7 @@ Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd edition, IV.5
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -22,29 +22,48 @@ LEAST_DEGREE, MOST_DEGREE = 2, 8
 class GaussPoints:
     """Collocation of one degree s, in terms of the increments Z of the state at the points.
 
-    Attributes
+    Its numbers are made when they are first asked for: most studies take no steps of this kind.
+
+    Parameters
     ----------
-    nodes : ndarray, shape (s,)
-        The points, in 0..1.
-    inverse : ndarray, shape (s, s)
-        Derivatives of the polynomial at the points: inverse Z = h f(x + Z).
-    end : ndarray, shape (s,)
-        The polynomial at 1: x + end . Z.
+    degree : int
+        Degree of the polynomials, and number of points in a step.
     """
 
-    nodes: np.ndarray
-    inverse: np.ndarray
-    end: np.ndarray
-
-    @property
-    def degree(self) -> int:
-        """Degree of the polynomials, and number of points in a step."""
-        return len(self.nodes)
+    degree: int
 
     @property
     def order(self) -> int:
         """Order of convergence at the ends of steps."""
         return 2 * self.degree
+
+    @cached_property
+    def nodes(self) -> np.ndarray:
+        """The points, in 0..1, shape (s,)."""
+        return 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.degree)[0])
+
+    @property
+    def inverse(self) -> np.ndarray:
+        """Derivatives of the polynomial at the points, shape (s, s): inverse Z = h f(x + Z)."""
+        return self._matrices[0]
+
+    @property
+    def end(self) -> np.ndarray:
+        """The polynomial at 1, shape (s,): x + end . Z."""
+        return self._matrices[1]
+
+    @cached_property
+    def _matrices(self) -> tuple[np.ndarray, np.ndarray]:
+        degree, places = self.degree, np.append(0.0, self.nodes)  # at the first it is zero: increments
+        apart = places[:, None] - places[None, :]
+        np.fill_diagonal(apart, 1.0)
+        inverse, end = np.empty((degree, degree)), np.empty(degree)
+        for j in range(1, degree + 1):
+            others = np.arange(degree + 1) != j
+            end[j - 1] = np.prod((1.0 - places[others]) / apart[j, others])
+            for i in range(1, degree + 1):
+                inverse[i - 1, j - 1] = _slope(places, apart, i, j)
+        return inverse, end
 
     def packed(self) -> np.ndarray:
         """All numbers in one array, shape (s (s + 2),): nodes, `inverse` row by row, `end`."""
@@ -62,17 +81,7 @@ def gauss_points(degree: int) -> GaussPoints:
     """
     if not LEAST_DEGREE <= degree <= MOST_DEGREE:
         raise ValueError(f"a degree of {degree}, where {LEAST_DEGREE} to {MOST_DEGREE} are allowed")
-    nodes = 0.5 * (1.0 + np.polynomial.legendre.leggauss(degree)[0])
-    places = np.append(0.0, nodes)  # the polynomial is zero at the first: increments count from there
-    apart = places[:, None] - places[None, :]
-    np.fill_diagonal(apart, 1.0)
-    inverse, end = np.empty((degree, degree)), np.empty(degree)
-    for j in range(1, degree + 1):
-        others = np.arange(degree + 1) != j
-        end[j - 1] = np.prod((1.0 - places[others]) / apart[j, others])
-        for i in range(1, degree + 1):
-            inverse[i - 1, j - 1] = _slope(places, apart, i, j)
-    return GaussPoints(nodes, inverse, end)
+    return GaussPoints(degree)
 
 
 def _slope(places: np.ndarray, apart: np.ndarray, i: int, j: int) -> float:

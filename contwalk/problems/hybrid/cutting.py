@@ -16,6 +16,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
+from contwalk.numerics.distinct import distinct
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind, added_by_cuts
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
@@ -91,7 +92,7 @@ def _factors(piece: Piece, x: np.ndarray, scalars: np.ndarray, scale: np.ndarray
     """Derivatives of the motion over parts of a segment, in units of the states."""
     field, n = piece.passage.field(PLAIN), len(x)
     c = field.constants(piece.values(scalars))
-    cuts = np.unique(np.linspace(0, len(piece.steps) - 1, PARTS + 1).astype(int))
+    cuts = distinct(np.linspace(0, len(piece.steps) - 1, PARTS + 1).astype(int))
     found = []
     for low, high in pairwise(cuts.tolist()):
         x, moved = flow.tangents(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.errors import NotFinite, PluginError
-from contwalk.flow.hybrid.blaming import functions_of
+from contwalk.flow.hybrid.functions_without_value import functions_of
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.view import LegView

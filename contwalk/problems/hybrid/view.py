@@ -15,6 +15,7 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import UnsupportedOperation
 from contwalk.memory import computed_once
+from contwalk.numerics.distinct import distinct
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.extrema import PARTS, Smooth, sampled, turns
@@ -311,7 +312,7 @@ class LegView:
 def _extrema(t: np.ndarray, x: np.ndarray, r: np.ndarray) -> np.ndarray:
     """Instants at which a state turns, in growing order, from times (k,), states and rates (k, n)."""
     k, j = np.nonzero(r[:-1] * r[1:] < 0.0)
-    return np.unique(turns(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
+    return distinct(turns(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
 
 
 def _pairs(row: list[float]) -> list[tuple[float, float]]:

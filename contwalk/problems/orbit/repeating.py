@@ -13,6 +13,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from contwalk.numerics.distinct import distinct
+
 # Times of a later part are rounded at the size of the closure: much nearer ones could become one there, a
 # step without length.
 APART = 1e-12
@@ -27,10 +29,10 @@ def repeating(steps: Sequence[np.ndarray], parts: int) -> tuple[np.ndarray, ...]
         Times in 0..1 of each segment's steps, its ends included.
     parts : int
     """
-    times = np.unique(np.concatenate(steps))
+    times = distinct(np.concatenate(steps))
     density = 1.0 / np.diff(times)
     bounds = np.array([own[0] for own in steps] + [1.0])
-    ends = np.unique(np.round(np.concatenate([bounds * parts % 1.0, [0.0, 1.0]]), 12)) / parts
+    ends = distinct(np.round(np.concatenate([bounds * parts % 1.0, [0.0, 1.0]]), 12)) / parts
     part = np.concatenate([_even(times, density, low, high, parts) for low, high in pairwise(ends)])
     part = np.append(part, ends[-1])
     whole = np.concatenate([part[:-1] + p / parts for p in range(parts)])
@@ -52,7 +54,7 @@ def _even(times: np.ndarray, density: np.ndarray, low: float, high: float, parts
     one.
     """
     places = np.concatenate([times - p / parts for p in range(parts)])
-    knots = np.unique(np.concatenate([[low, high], places[(places > low) & (places < high)]]))
+    knots = distinct(np.concatenate([[low, high], places[(places > low) & (places < high)]]))
     middle = 0.5 * (knots[1:] + knots[:-1])
     every = [
         density[np.clip(np.searchsorted(times, middle + p / parts) - 1, 0, len(density) - 1)]

@@ -11,8 +11,9 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
-from contwalk.flow.hybrid.event_integrator import METHOD as EXPLICIT
 from contwalk.flow.method import Carried, choose
+from contwalk.flow.tableaus.dop853 import DOP853
+from contwalk.numerics.distinct import distinct
 from contwalk.problems.kinks import at_the_end
 from contwalk.problems.orbit import without_value
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
@@ -91,16 +92,16 @@ class Mesh:
 
         A motion that is cut at its own steps stays the same to the last bit.
         """
-        times = np.unique(self.times)
+        times = distinct(self.times)
         after = np.clip(np.searchsorted(times, cuts), 1, len(times) - 1)
         nearest = after - (cuts - times[after - 1] < times[after] - cuts)
-        bounds = np.append(np.unique(nearest), len(times) - 1)
+        bounds = np.append(distinct(nearest), len(times) - 1)
         steps = tuple(times[first : last + 1] for first, last in pairwise(bounds) if last > first)
         return replace(self, steps=steps)
 
     def begun(self, time: float) -> tuple[Mesh, float]:
         """The same steps in one segment that begins at the step next to a time, and when that is."""
-        times = np.unique(self.times)
+        times = distinct(self.times)
         k = int(np.argmin(np.abs(times[:-1] - time)))
         first = float(times[k])
         later = np.concatenate([times[k:] - first, times[1 : k + 1] + (1.0 - first)])
@@ -241,7 +242,7 @@ def _without_value(passage: Passage, values: np.ndarray, path: flow.Path) -> str
     (before, last), nodes = path.times[-2:], path.states[-2:, : len(passage.states)]
     steps = np.array([before, last, min(last + BEYOND * (last - before), 1.0)])
     line = without_value.along(
-        passage, values, steps, np.vstack([nodes, np.full_like(nodes[:1], np.nan)]), EXPLICIT
+        passage, values, steps, np.vstack([nodes, np.full_like(nodes[:1], np.nan)]), DOP853.name
     )
     return f" {line}" if line else ""
 

@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from contwalk import flow
+from contwalk.numerics.distinct import distinct
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.orbit_data import OrbitData
@@ -104,7 +105,7 @@ def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
     factors = []
     for i, (steps, start) in enumerate(zip(problem.mesh.steps, problem.starts(z), strict=True)):
         x = start
-        cuts = np.unique(np.linspace(0, len(steps) - 1, max(PARTS // m, 1) + 1).astype(int))
+        cuts = distinct(np.linspace(0, len(steps) - 1, max(PARTS // m, 1) + 1).astype(int))
         for low, high in pairwise(cuts):
             part = steps[low : high + 1]
             x, moved = flow.tangents(field, c, part, x, np.eye(n), sources, problem.mesh.method)

@@ -11,7 +11,7 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import NO_LINE
 from contwalk.fields.blame import first_switched
-from contwalk.flow.hybrid.blaming import functions_of, line_without_value
+from contwalk.flow.hybrid.functions_without_value import functions_of, line_without_value
 from contwalk.problems.kink import REMEDY
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.passage import Passage
