@@ -13,6 +13,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from contwalk.errors import ContwalkError
+from contwalk.figure_formats import allowed_formats, unknown_format
 from contwalk.system.declarations import nearest
 
 # Okabe and Ito's colour-blind-safe palette, without its yellow, which is too faint for a line on white.
@@ -41,7 +42,6 @@ PROPORTIONS = {
     "margins": (3.1, 4.6),
     "tradeoff": (6.4, 4.2),
 }
-FORMATS = (".png", ".svg", ".pdf")
 
 # Type 42 keeps text in a PDF as text (journals demand it); a fixed salt makes equal figures equal files.
 _WRITING: dict[Any, Any] = {"pdf.fonttype": 42, "svg.hashsalt": "contwalk"}
@@ -160,13 +160,9 @@ def check_format(path: Path) -> str:
     ------
     ContwalkError
     """
-    suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        raise ContwalkError(
-            f"A figure cannot be written to {path}: the format {suffix or '(no suffix)'} is not known.",
-            f"Allowed: {', '.join(FORMATS)}.",
-        )
-    return suffix
+    if wrong := unknown_format(path):
+        raise ContwalkError(f"A figure cannot be written to {path}: {wrong}.", allowed_formats())
+    return path.suffix.lower()
 
 
 def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:

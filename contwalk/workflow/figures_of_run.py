@@ -25,11 +25,8 @@ def check_figures(run_file: RunFile, replacing: bool) -> None:
     """
     if not run_file.figures:
         return
-    from contwalk.plotting.style import check_format
-
     paths = _figure_paths(run_file)
     for path, figure in zip(paths, run_file.figures, strict=True):
-        check_format(path)
         refuse_existing([path], force=replacing or "file" not in figure.options)
 
 

@@ -131,6 +131,7 @@ def run(
             ahead=ahead,
         )
         recorder = _Recorder(db, reporter, result, run_file)
+        recorder.tell_without_effect(run_file.without_effect)
         recorder.record(diagram)
         if run_file.loci is not None and not result.interrupted:
             recorder.record(_curves(run_file, db, diagram.branches, claims, recorder.note))
@@ -284,6 +285,14 @@ class _Recorder:
         self.noted.add(key)
         self.db.write_note(key, text)
         self.reporter.note(text)
+
+    def tell_without_effect(self, sentences: Mapping[str, str]) -> None:
+        """Notes on what the run file asks for in vain, and none on what an earlier one did."""
+        for key in self.db.notes():
+            if key.split()[0] == "without_effect" and key not in sentences:
+                self.db.write_note(key, "")
+        for key, text in sentences.items():
+            self.note(key, text)
 
     def record(self, diagram: Diagram) -> None:
         """Everything until the end, or until the user interrupts."""

@@ -15,7 +15,7 @@ from contwalk.problems.equilibrium.declared import named_equilibria
 from contwalk.storage.failures import failures_of
 from contwalk.workflow.made_with import made_with
 from contwalk.workflow.quantities import listed, values_along
-from contwalk.workflow.run_file.settings import FigureSpec
+from contwalk.workflow.run_file.figures import FigureSpec
 from contwalk.workflow.run_file.simulate import SimulationFile
 from contwalk.workflow.run_file.starts import StartSpec
 

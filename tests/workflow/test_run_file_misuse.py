@@ -58,6 +58,17 @@ APPENDED = [
         "figures: [{machine: {file: a.png}}, {eigenvalues: {file: a.png}}]",
         ["line 8", "key figures.1.eigenvalues.file", "'a.png' is the file of figure 1 too", "of its own"],
     ),
+    (
+        "figures: [eigenvalues, {machine: {file: a.jpg}}]",
+        [
+            "line 8",
+            "key figures.1.machine.file",
+            "'a.jpg' cannot be drawn",
+            "format .jpg is not",
+            ".png, .svg, .pdf",
+        ],
+    ),
+    ("figures: [{machine: {file: plot}}]", ["line 8", "key figures.0.machine.file", "(no suffix)"]),
     ("figures: [{machine: {z: load}}]", ["line 8", "key figures.0.machine.z", "has no third axis"]),
     ("figures: [{machine: {x: dampin}}]", ["line 8", "figures.0.machine.x", "Did you mean 'damping'?"]),
     ("sweep: {stiffness: [1, 2]}", ["line 8", "key sweep.stiffness", "changes already"]),

@@ -22,13 +22,15 @@ from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import System
 from contwalk.system.loading import is_path, load_declaration
 from contwalk.workflow.run_file import settings
+from contwalk.workflow.run_file.figures import FigureSpec, figures_of
 from contwalk.workflow.run_file.model import RunModel
 from contwalk.workflow.run_file.parameters import differ, given_values, path_ends, sweep_values
 from contwalk.workflow.run_file.problems import Problems, translate
-from contwalk.workflow.run_file.settings import FigureSpec, Mark, ReportAt
+from contwalk.workflow.run_file.settings import Mark, ReportAt
 from contwalk.workflow.run_file.starts import StartReader, StartSpec
 from contwalk.workflow.run_file.text import document_of, text_of_file
 from contwalk.workflow.run_file.values import DIAGRAM_FIGURES, FIGURES
+from contwalk.workflow.run_file.without_effect import without_effect
 from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
 __all__ = [
@@ -82,6 +84,8 @@ class RunFile:
     engine : mapping
         Those of `step`, `min_step`, `max_step`, `max_angle`, `max_share`, `newton_iterations`, `method`,
         `discretization`, `tolerance`, `segments`, `phase` that are given or have a default.
+    without_effect : mapping
+        Sentences on what is asked for and cannot come about, by what they are of.
     """
 
     path: Path
@@ -111,6 +115,7 @@ class RunFile:
     second: tuple[str, tuple[float, float]] | None = None
     loci: settings.Loci | None = None
     engine: Mapping[str, float | str] = field(default_factory=dict)
+    without_effect: Mapping[str, str] = field(default_factory=dict)
 
     def config(self) -> str:
         """Text of a run file that asks for this study: the file's own, or with `--set` values in it."""
@@ -257,12 +262,15 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
     at_start = dict(parameters) if ends is None else ParameterLine("path", parameters, ends).at(low)
     reader = StartReader(problems, system, path.parent, at_start, given, varying, settable=ends is None)
     starts = reader.read(model.start)
-    measured = None
+    measured, loci = None, settings.loci(problems, system, model, free)
     second = settings.second_range(problems, system, model, free)
     if free is not None:
         settings.check_starts_in_range(problems, starts, free, (low, high))
         also = () if model.loci is None else (model.loci.with_,)
         measured = settings.Measured(problems, system, free, (*varying, *also))
+    ranges = {} if free is None else {free: (low, high)}
+    ranges |= {} if second is None else dict([second])
+    ranges |= {} if loci is None else {loci.second: loci.range}
     return RunFile(
         path=path,
         text="",
@@ -286,11 +294,12 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
         events=model.events.model_dump(),
         report_at=settings.report_place(problems, system, model.report_at),
         output=_output(problems, model, path, output, starts),
-        figures=settings.figures(problems, system, model, DIAGRAM_FIGURES),
+        figures=figures_of(problems, system, model, DIAGRAM_FIGURES),
         sweep=sweep_values(problems, system, model, varying),
         engine=settings.engine(problems, system, model),
         second=second,
-        loci=settings.loci(problems, system, model, free),
+        loci=loci,
+        without_effect=without_effect(problems, model, system, ranges),
     )
 
 

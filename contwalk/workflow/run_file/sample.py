@@ -9,14 +9,13 @@ from pathlib import Path
 
 from contwalk.errors import RunFileError, StartError
 from contwalk.system import System
-from contwalk.workflow.run_file import settings
+from contwalk.workflow.run_file.figures import FigureSpec, figures_of
 from contwalk.workflow.run_file.motion_file import MotionFile
 from contwalk.workflow.run_file.motions import Sampling
 from contwalk.workflow.run_file.parameters import check_bounds, given_values
 from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.products import Product
 from contwalk.workflow.run_file.reading import opened
-from contwalk.workflow.run_file.settings import FigureSpec
 from contwalk.workflow.run_file.simulate import only_start
 from contwalk.workflow.run_file.starts import StartSpec
 from contwalk.workflow.run_file.text import text_of_file
@@ -56,7 +55,7 @@ def read_sampling(path: str | Path, overrides: Sequence[str] = (), output: str |
     start = only_start(problems, system, model, Path(path).parent, system.defaults() | given, given)
     _smooth_only(problems, system)
     _check(problems, system, model.sample, start)
-    figures = settings.figures(problems, system, model, SAMPLE_FIGURES)
+    figures = figures_of(problems, system, model, SAMPLE_FIGURES)
     problems.raise_any()
     assert start is not None
     return SampleFile(

@@ -10,13 +10,14 @@ import numpy as np
 
 from contwalk.system import System
 from contwalk.workflow.run_file import settings
+from contwalk.workflow.run_file.figures import FigureSpec, figures_of
 from contwalk.workflow.run_file.model import RunModel
 from contwalk.workflow.run_file.motion_file import MotionFile
 from contwalk.workflow.run_file.motions import Simulation
 from contwalk.workflow.run_file.parameters import given_values
 from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.reading import need_start, opened
-from contwalk.workflow.run_file.settings import FigureSpec, ReportAt
+from contwalk.workflow.run_file.settings import ReportAt
 from contwalk.workflow.run_file.starts import StartReader, StartSpec
 from contwalk.workflow.run_file.text import text_of_file
 from contwalk.workflow.run_file.values import MOTION_FIGURES
@@ -120,7 +121,7 @@ def motion_figures(problems: Problems, system: System, model: RunModel) -> tuple
                 f"Give two states, {{phase_portrait: {{x: NAME, y: NAME}}}}. {allowed(system.state_names)}"
             )
             problems.add(key, "says of no plane.", remedy)
-    found = settings.figures(problems, system, model, MOTION_FIGURES)
+    found = figures_of(problems, system, model, MOTION_FIGURES)
     return found or (FigureSpec("time_series"),)
 
 
