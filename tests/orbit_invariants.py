@@ -33,6 +33,7 @@ class Row:
 
     row: np.void
     starts: np.ndarray
+    cuts: np.ndarray
     duration: float
     parameters: Mapping[str, float]
     symmetry: Symmetry | None
@@ -91,7 +92,13 @@ def orbit_of(branch: Branch, problem: PeriodicOrbit | Equilibrium, row: np.void)
     """A stored row taken apart: starts of the segments, duration of the closure, parameters."""
     system, n = problem.system, len(branch.info.states)
     # Rows of a branch may have different numbers of segments; what a row does not need is NaN.
-    m, fold = int(np.isfinite(row["unknowns"]).sum()) // n, int(branch.info.settings["fold"])
+    length, fold = int(np.isfinite(row["unknowns"]).sum()), int(branch.info.settings["fold"])
+    m = length // n
+    cuts = np.arange(m) / m
+    if "scheme" in branch.info.settings:  # the times of the cuts stand last
+        others = (system.period is None) + len(branch.info.settings.get("pins", ()))
+        m = (length + 1 - others) // (n + 1)
+        cuts = np.concatenate([[0.0], row["unknowns"][length - m + 1 : length]])
     value = float(row["free"][0])
     parameters = {**branch.info.parameters, branch.info.free[0]: value}
     if problem.line.ends is not None:
@@ -107,7 +114,7 @@ def orbit_of(branch: Branch, problem: PeriodicOrbit | Equilibrium, row: np.void)
     assert (symmetry is None) == (branch.info.closure == "full") == (fold == 1)
     starts = np.array(row["unknowns"][: m * n]).reshape(m, n)
     assert np.array_equal(starts[0], row["state"])
-    return Row(row, starts, duration, parameters, symmetry, fold)
+    return Row(row, starts, cuts, duration, parameters, symmetry, fold)
 
 
 def sizes_of(system: System, orbit: Row, weights: np.ndarray, method: str = "DOP853") -> np.ndarray:
@@ -121,10 +128,10 @@ def sizes_of(system: System, orbit: Row, weights: np.ndarray, method: str = "DOP
 
 def passages(system: System, orbit: Row, scale: np.ndarray, method: str = "DOP853") -> list[Passage]:
     """The orbit's segments, each integrated from its own start."""
-    m, t = len(orbit.starts), orbit.duration
+    times = np.append(orbit.cuts, 1.0) * orbit.duration
     return [
-        passed(system, orbit.parameters, x, i / m * t, (i + 1) / m * t, scale, method)
-        for i, x in enumerate(orbit.starts)
+        passed(system, orbit.parameters, x, begin, end, scale, method)
+        for x, begin, end in zip(orbit.starts, times[:-1], times[1:], strict=True)
     ]
 
 

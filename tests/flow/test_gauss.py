@@ -234,3 +234,17 @@ def test_tolerances_below_rounding_are_no_reason_to_stop(method: str) -> None:
     assert len(path.times) < 2000
     assert path.status == "ok"
     np.testing.assert_allclose(path.states[-1], start, rtol=1e-13)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_state_that_is_zero_but_for_rounding_is_solved_apart_from_what_it_drives(method: str) -> None:
+    """It grows as exp(t), and drives another, strongly: its equations are not mixed with those of that."""
+
+    def rates(t, x, p):
+        return [-x[1] + p[0] * x[2], x[0], x[2]]
+
+    field = field_of(rates, 3, 1)
+    times = np.linspace(0.0, 1.0, 5)
+    states = along(field, field.constants([1e3]), times, [1.0, 0.0, 1e-33], method)
+    assert np.all(np.isfinite(states))
+    np.testing.assert_allclose(states[:, 2], 1e-33 * np.exp(times), rtol=1e-5, atol=0)

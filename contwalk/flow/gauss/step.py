@@ -12,7 +12,7 @@ import numpy as np
 
 from contwalk.flow.compiled.calling import call_rhs, doubles, inlined
 from contwalk.flow.gauss.parts import EPSILON, Points, Work
-from contwalk.flow.radau.dense_lu import factor, solve
+from contwalk.flow.radau.dense_lu import OWN, factor, solve
 from contwalk.flow.radau.newton import apply
 from contwalk.flow.radau.parts import Equations
 from contwalk.flow.radau.tangents import driven, stage_matrix
@@ -92,7 +92,7 @@ def increments(eq: Equations, m: Points, w: Work, t: float, h: float, x: np.ndar
             spent += 2 * s
             if not matrices(eq, m, w, t, h, x):
                 return NOT_FINITE, spent
-            if not factor(w.matrix, w.row_weights, w.pivots, sn):
+            if not factor(w.matrix, w.row_weights, w.pivots, sn, OWN):
                 return SINGULAR, spent
         else:
             spent += s
@@ -139,7 +139,7 @@ def carry(
         stage_matrix(eq, m, h, j, w.jacobian[n:], w.matrix)
         moved = doubles(w.moved.ctypes.data + 8 * j * n * q, n * q)
         driven(eq, h, w.jacobian[n:], w.tangents, q, sources, moved)
-    if not factor(w.matrix, w.row_weights, w.pivots, s * n):
+    if not factor(w.matrix, w.row_weights, w.pivots, s * n, OWN):
         return False
     solve(w.matrix, w.pivots, s * n, w.moved, q)
     for j in range(s):

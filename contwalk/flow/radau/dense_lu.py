@@ -26,9 +26,18 @@ def _exchange(first: np.ndarray, second: np.ndarray, length: int) -> None:
         first[j], second[j] = second[j], first[j]
 
 
+# The largest pivot in a column, or the diagonal's entry as long as it is no smaller than this part of that:
+# what is not coupled then stays apart. With rows of other states as pivots, a state that is zero but for
+# 1e-30 gets the rounding of all others.
+LARGEST, OWN = 1.0, 0.05
+
+
 @inlined
-def factor(a: np.ndarray, weights: np.ndarray, pivots: np.ndarray, n: int) -> bool:
-    """Replace a by its factors; false if it is singular or not finite. `weights` is scratch of length n."""
+def factor(a: np.ndarray, weights: np.ndarray, pivots: np.ndarray, n: int, own: float) -> bool:
+    """Replace a by its factors; false if it is singular or not finite.
+
+    `weights` is scratch of length n, and `own` is `LARGEST` or `OWN`.
+    """
     for i in range(n):
         row, largest = doubles(a.ctypes.data + 8 * (i * n), n), 0.0
         for j in range(n):
@@ -42,6 +51,8 @@ def factor(a: np.ndarray, weights: np.ndarray, pivots: np.ndarray, n: int) -> bo
                 chosen, best = i, size
         if not (0.0 < best < np.inf):
             return False
+        if abs(a[k * n + k]) * weights[k] >= own * best:
+            chosen = k
         pivots[k] = chosen
         if chosen != k:
             weights[chosen] = weights[k]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.compiled.calling import call_rhs, inlined
-from contwalk.flow.radau.dense_lu import factor, factor_complex, solve, solve_complex
+from contwalk.flow.radau.dense_lu import LARGEST, factor, factor_complex, solve, solve_complex
 from contwalk.flow.radau.parts import EPSILON, Equations, Method, Work
 
 # How a step's iteration ended.
@@ -74,7 +74,7 @@ def factorise(eq: Equations, m: Method, w: Work, h: float) -> bool:
     size = n * n
     entries = w.near[n:]
     shifted(eq, entries, m.mu / h, w.lu)
-    if not factor(w.lu, w.weights, w.pivots, n):
+    if not factor(w.lu, w.weights, w.pivots, n, LARGEST):
         return False
     for p in range((m.s - 1) // 2):
         real = w.complex_lu[2 * p * size : (2 * p + 1) * size]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.compiled.calling import call_rhs, doubles, inlined
-from contwalk.flow.radau.dense_lu import factor, solve
+from contwalk.flow.radau.dense_lu import LARGEST, factor, solve
 from contwalk.flow.radau.kernel import MOST_PASSES_FROZEN, accept
 from contwalk.flow.radau.newton import CONVERGED, iterate, linearize, predict
 from contwalk.flow.radau.parts import (
@@ -75,7 +75,7 @@ def step_tangents(
         stage_matrix(eq, m, h, j, v.jacobian[n:], v.matrix)
         moved = doubles(v.moved.ctypes.data + 8 * j * n * q, n * q)
         driven(eq, h, v.jacobian[n:], v.tangents, q, v.sources, moved)
-    if not factor(v.matrix, v.row_weights, v.pivots, s * n):
+    if not factor(v.matrix, v.row_weights, v.pivots, s * n, LARGEST):
         return False
     solve(v.matrix, v.pivots, s * n, v.moved, q)
     last = doubles(v.moved.ctypes.data + 8 * (s - 1) * n * q, n * q)
