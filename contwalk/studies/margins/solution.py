@@ -21,6 +21,7 @@ ACCURATE = Discretization(accuracy=1e-10)
 SAMPLES = 65  # instants of each leg that magnitudes are taken from
 ZOOMS = 9  # each finds an instant 32 times sharper
 ROUNDED = 1e-11  # of the time: an instant that is nearer to an event than this is at it
+AT_EVENT = 1e-7  # of the period: so near to an event the stored state, with its own error, is the one at it
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,24 +100,31 @@ def solution_at(
     ContwalkError
         If the point's orbit cannot be computed once more.
     """
-    if isinstance(point, SpecialPoint) and not point.unknowns:
-        point = point.index
     with np.errstate(all="ignore"):
         problem: Any
         problem, sample = reopened(system, branch, point, ACCURATE)
-        kind = branch.info.problem
+        kind, told = branch.info.problem, _told_state(branch, point)
         if kind == "equilibrium":
             found = _equilibrium(system, problem, sample)
         elif kind == "hybrid_orbit":
-            found = _with_events(system, branch, problem, sample, fractions)
+            found = _with_events(system, branch, problem, sample, fractions, told)
         elif kind == "periodic_orbit":
-            found = _smooth(system, branch, problem, sample, fractions)
+            found = _smooth(system, branch, problem, sample, fractions, told)
         else:
             raise ContwalkError(
                 f"Branch {branch.name} is one of {kind} points, which are no motions.",
                 "Name a point on a branch of equilibria or orbits.",
             )
     return found
+
+
+def _told_state(branch: Branch, point: SpecialPoint | int) -> np.ndarray:
+    """The state that the database tells of a point, shape (n,): where the run asked for it (`report_at`)."""
+    if isinstance(point, SpecialPoint):
+        if point.state:
+            return np.array([point.state[name] for name in branch.info.states], dtype=float)
+        point = point.index
+    return np.array(branch.points["state"][point], dtype=float)
 
 
 def _equilibrium(system: System, problem: Any, sample: Any) -> Solution:
@@ -129,16 +137,14 @@ def _equilibrium(system: System, problem: Any, sample: Any) -> Solution:
 
 
 def _smooth(
-    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float]
+    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float], told: np.ndarray
 ) -> Solution:
     z, mode = sample.z, system.modes[0].name
     curve, duration = problem.curve(z), problem.duration(z)
     _, states = problem.motion_of(z)
     period = int(branch.info.settings.get("fold", 1)) * sample.period
     values = dict(problem.values_of(z))
-    begin, _ = _nearest(
-        curve.at, problem.reported(z), np.ptp(states, axis=0), _neutral(system, problem, states[0])
-    )
+    begin, _ = _nearest(curve.at, told, np.ptp(states, axis=0), _neutral(system, problem, states[0]))
     instants = []
     for fraction in fractions:
         share = (begin + fraction) % 1.0
@@ -150,7 +156,7 @@ def _smooth(
 
 
 def _with_events(
-    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float]
+    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float], told: np.ndarray
 ) -> Solution:
     problem, z = problem.explicit(sample.z)
     stretches, legs = problem.stretches(z), problem.word.unfolded(system).legs
@@ -162,7 +168,7 @@ def _with_events(
         states.append(np.where(np.isin(np.arange(seen.shape[1]), stretch.exists), seen, np.nan))
     course = np.concatenate(states)
     low, high = _bounds(course)
-    at = begins + _reported_at(system, problem, z, high - low)
+    at = begins + _told_at(system, problem, z, high - low, told)
     instants = []
     for fraction in fractions:
         time = at + fraction * closure
@@ -175,10 +181,9 @@ def _with_events(
     return _solution(system, dict(problem.values_of(z)), period, instants, cycle, course, problem)
 
 
-def _reported_at(system: System, problem: Any, z: np.ndarray, ranges: np.ndarray) -> float:
-    """Seconds from the first leg's start to the state that the database tells of the orbit; at an event, to
-    the state after it."""
-    stretches, target = problem.stretches(z), problem.reported(z)
+def _told_at(system: System, problem: Any, z: np.ndarray, ranges: np.ndarray, target: np.ndarray) -> float:
+    """Seconds from the first leg's start to the state that the database tells of the orbit, `target`."""
+    stretches = problem.stretches(z)
     if not np.isfinite(target).all():
         return 0.0
     neutral = _neutral(system, problem, stretches[0].start[1])
@@ -190,7 +195,10 @@ def _reported_at(system: System, problem: Any, z: np.ndarray, ranges: np.ndarray
     _, number, share = min(found)
     stretch = stretches[number]
     begin, end = stretch.start[0], stretch.end[0]
-    return float(begin + share * (end - begin) - stretches[0].start[0])
+    time = float(begin + share * (end - begin))
+    near = AT_EVENT * (stretches[-1].end[0] - stretches[0].start[0])
+    time = next((float(s.end[0]) for s in stretches if abs(s.end[0] - time) <= near), time)
+    return time - float(stretches[0].start[0])
 
 
 def _seen(stretch: Any, shares: np.ndarray) -> np.ndarray:
