@@ -53,11 +53,14 @@ class StoredPlace:
 
 
 def stored_place(branch: Branch, point: str | int | SpecialPoint) -> StoredPlace:
-    """Where a special point, or the row of a number, lies on its branch."""
+    """Where a special point, or the row of a number, lies on its branch.
+
+    A special point that is not located has no solution of its own: it stands at its row.
+    """
     special = branch.special(point) if isinstance(point, str) else point
     index = special.index if isinstance(special, SpecialPoint) else special
     row = branch.points[index]
-    if isinstance(special, SpecialPoint):
+    if isinstance(special, SpecialPoint) and special.unknowns:
         z, tangent = np.array(special.unknowns), np.array(special.tangent)
     else:
         z = branch.unknowns(index)

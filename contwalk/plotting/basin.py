@@ -10,7 +10,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.patches import Patch, Rectangle
 
 from contwalk.errors import ContwalkError
-from contwalk.plotting.quantities import written
+from contwalk.plotting.quantities import axis_label
 from contwalk.plotting.style import GREY, INK, PALETTE, dress, legend_above, light, new_axes
 
 SHADE = 0.35  # of white in the colour of an attractor
@@ -69,7 +69,7 @@ def plot_basin(
     low = cells[:, :2].min(axis=0)
     ax.set_xlim(low[0], low[0] + ranges[0])
     ax.set_ylim(low[1], low[1] + ranges[1])
-    dress(ax, *(_named(name, units or {}) for name in states))
+    dress(ax, *(axis_label(name, units) for name in states))
     handles = [Patch(facecolor=colors[label], edgecolor=INK, linewidth=0.4, label=label) for label in known]
     legend_above(ax, handles)
     return ax
@@ -79,8 +79,3 @@ def _colors(known: Sequence[str]) -> dict[str, str]:
     attractors = [label for label in known if label not in LOST]
     found = {label: light(PALETTE[k % len(PALETTE)], SHADE) for k, label in enumerate(attractors)}
     return found | {label: light(GREY, LOST[label]) for label in known if label in LOST}
-
-
-def _named(state: str, units: Mapping[str, str]) -> str:
-    unit = units.get(state, "1")
-    return state if unit in ("", "1") else f"{state} ({written(unit)})"

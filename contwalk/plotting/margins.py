@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contwalk.errors import ContwalkError
-from contwalk.plotting.quantities import written
+from contwalk.plotting.quantities import axis_label
 from contwalk.plotting.style import GREY, INK, PALETTE, dress, light, new_grid
 
 MOST_COLUMNS = 5
@@ -71,7 +71,7 @@ def plot_margins(
         _panel(ax, [row for row in rows if row["instant"] == number], states, floor, reach)
         ax.set_title(f"instant {number}: {fractions[number]:.4g} of the closure", fontsize=8.5, color=INK)
         named = number % MOST_COLUMNS == 0
-        ax.set_yticks(range(len(states)), [_named(s, units or {}) for s in states] if named else [])
+        ax.set_yticks(range(len(states)), [axis_label(s, units) for s in states] if named else [])
     return _figure_of(axes[0])
 
 
@@ -79,11 +79,6 @@ def _figure_of(ax: Axes) -> Figure:
     figure = ax.figure
     assert isinstance(figure, Figure)
     return figure
-
-
-def _named(state: str, units: Mapping[str, str]) -> str:
-    unit = units.get(state, "1")
-    return state if unit in ("", "1") else f"{state} ({written(unit)})"
 
 
 def _panel(

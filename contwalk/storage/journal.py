@@ -46,8 +46,9 @@ class Journal:
             there = path.read_bytes() if resume and path.exists() else b""
             lines = list(_whole_lines(path, there))
             if lines and lines[0][0] != dict(identity):
+                differing = _differing(lines[0][0], identity)
                 raise DatabaseError(
-                    f"{path} holds results of another study: {_differing(lines[0][0], identity)} differs.",
+                    f"{path} holds results of another study; what differs: {differing}.",
                     "Undo the change, or begin anew with --force.",
                 )
             self.kept = [entry for entry, _ in lines[1:]]

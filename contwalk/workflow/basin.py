@@ -15,8 +15,8 @@ from contwalk.storage.journal import Journal
 from contwalk.studies.margins.refinement import Cell, Vertex, refined
 from contwalk.studies.margins.solution import solution_at
 from contwalk.studies.margins.survival import SURVIVED
-from contwalk.workflow.basin_points import UNKNOWN, Attractors, BasinStudy, reached
-from contwalk.workflow.many_runs import Executor, in_order
+from contwalk.workflow.basin_points import UNKNOWN, Attractors, BasinStudy
+from contwalk.workflow.many_runs import Runs
 from contwalk.workflow.margin_rays import Study, survival_of
 from contwalk.workflow.run_file.margins import MarginsFile
 
@@ -57,6 +57,12 @@ class BasinResult:
     cell_labels: tuple[str, ...]
     own: tuple[float, float]
     notes: list[str] = field(default_factory=list)
+
+
+def basin_study(run: MarginsFile, study: Study) -> BasinStudy:
+    """What all points of the plane that a run file asks for share."""
+    assert run.margins.basin is not None
+    return BasinStudy(study, known_attractors(run, study), run.margins.basin.instant)
 
 
 def known_attractors(run: MarginsFile, study: Study) -> Attractors:
@@ -103,21 +109,22 @@ def _same_course(study: Study, course: np.ndarray, other: np.ndarray) -> bool:
 
 def basin_of(
     run: MarginsFile,
-    study: Study,
+    basin: BasinStudy,
     journal: Journal,
     kept: Sequence[dict[str, Any]],
-    jobs: int,
-    executor: Executor | None,
+    runs: Runs[BasinStudy, tuple[float, ...], dict[str, Any]],
 ) -> BasinResult:
     """The labels of a plane of pushes; those in `kept` are taken, new ones are added to the journal."""
     wanted = run.margins.basin
     assert wanted is not None
-    (first, second), values = wanted.states, study.solution.parameters
+    (first, second), solution = wanted.states, basin.study.solution
     names, steps = run.system.state_names, wanted.cells * 2**wanted.levels
-    low, high = (np.array([wanted.states[name][k].value(values) for name in (first, second)]) for k in (0, 1))
+    low, high = (
+        np.array([wanted.states[name][k].value(solution.parameters) for name in (first, second)])
+        for k in (0, 1)
+    )
     places = [names.index(first), names.index(second)]
-    basin = BasinStudy(study, known_attractors(run, study), wanted.instant)
-    base, done, named = study.solution.instants[wanted.instant].state, list(kept), _NewAttractors(basin)
+    base, done, named = solution.instants[wanted.instant].state, list(kept), _NewAttractors(basin)
 
     def value(vertex: Vertex) -> np.ndarray:
         return np.asarray(low + (high - low) * np.array(vertex) / steps)
@@ -131,10 +138,9 @@ def basin_of(
         found, there = [], min(len(done), len(vertices))
         entries = done[:there]
         del done[:there]
-        rest = [(basin, push(v)) for v in vertices[there:]]
         for entry in entries:
             found.append(named.name(entry))
-        for entry in in_order(reached, rest, jobs, executor):
+        for entry in runs.in_order([push(v) for v in vertices[there:]]):
             journal.add(entry)
             found.append(named.name(entry))
         return found
@@ -178,9 +184,8 @@ class _NewAttractors:
             return UNKNOWN
         named = f"new{len(courses) + 1}"
         self._new = replace(self._new, courses={**courses, named: course})
-        where = ", ".join(
-            f"{name} {value:.6g}" for name, value in zip(survival_names(self._basin), course[-1], strict=True)
-        )
+        names = survival_of(self._basin.study).system.state_names
+        where = ", ".join(f"{name} {value:.6g}" for name, value in zip(names, course[-1], strict=True))
         self.notes.append(f"{named} is none of the stored solutions: motions come to {where}.")
         return named
 
@@ -195,8 +200,3 @@ class _NewAttractors:
             at = survival.end
             states.append(at.state)
         return np.array(states)
-
-
-def survival_names(basin: BasinStudy) -> tuple[str, ...]:
-    """Names of the states."""
-    return survival_of(basin.study).system.state_names

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,11 @@ class Attractors:
         name = min(apart, key=apart.__getitem__)
         return name if apart[name] <= self.nearness else UNKNOWN
 
+    @property
+    def hashes(self) -> dict[str, str]:
+        """Of the courses, by their names: they tell sets of solutions apart."""
+        return {name: hashlib.sha256(c.tobytes()).hexdigest() for name, c in self.courses.items()}
+
 
 @dataclass(frozen=True, eq=False)
 class BasinStudy:
@@ -39,23 +44,9 @@ class BasinStudy:
     attractors: Attractors
     instant: int
 
-    @cached_property
-    def key(self) -> str:
-        """Tells studies apart."""
-        known = [f"{name}:{course.tobytes().hex()}" for name, course in self.attractors.courses.items()]
-        return f"{self.study.key} {self.instant} {self.attractors.nearness!r} {hash_of(known)}"
 
-
-def hash_of(texts: list[str]) -> str:
-    """Of texts in their order."""
-    import hashlib
-
-    return hashlib.sha256("|".join(texts).encode()).hexdigest()
-
-
-def reached(task: tuple[BasinStudy, tuple[float, ...]]) -> dict[str, Any]:
+def reached(basin: BasinStudy, push: tuple[float, ...]) -> dict[str, Any]:
     """The label of what a push, of all n states, comes to; and the end, where that is not known."""
-    basin, push = task
     with one_thread():
         survival = survival_of(basin.study)
         instant = basin.study.solution.instants[basin.instant]

@@ -1,8 +1,8 @@
 """Many runs that do not depend on each other: here, in processes, or wherever an executor computes them.
 
-A run is a pure function of its task: both can be pickled, and it may be computed twice, or again where a
-worker was lost. Results come in the order of the tasks whatever computes them, so that what is made of them
-is the same to the last bit.
+A run is a pure function of its task and of what all tasks share: all can be pickled, and a run may be
+computed twice, or again where a worker was lost. Results come in the order of the tasks whatever computes
+them, so that what is made of them is the same to the last bit. What is shared goes to each process once.
 """
 
 from __future__ import annotations
@@ -12,12 +12,15 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from itertools import islice
 from multiprocessing import get_context
-from typing import Any, Protocol, TypeVar
+from types import TracebackType
+from typing import Any, Generic, Protocol, TypeVar
 
 from contwalk.errors import ContwalkError
 
+Shared = TypeVar("Shared")
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
@@ -28,75 +31,119 @@ MOST_LOST = 3
 
 
 class Executor(Protocol):
-    """Anything with `map`: a process pool, `dask.distributed.Client.get_executor()`, an MPI pool."""
+    """Anything with `map`: a process pool, `contwalk.workflow.cluster.Cluster`, an MPI pool.
+
+    One that has `map_shared(function, shared, tasks)` too sends what is shared once, not with each task.
+    """
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task], /) -> Iterable[Result]:
         """Results in the order of the tasks."""
 
 
-def in_order(
-    function: Callable[[Task], Result],
-    tasks: Sequence[Task],
-    jobs: int = 1,
-    executor: Executor | None = None,
-) -> Iterator[Result]:
-    """Results in the order of the tasks.
+class Runs(Generic[Shared, Task, Result]):
+    """Runs of one study. Its processes begin with the first runs that need them, and stay until it is left.
 
     Parameters
     ----------
     function : callable
-        Of a module, so that it can be pickled for other processes.
-    tasks : sequence
+        Of a module, so that it can be pickled for other processes: of what is shared, and of a task.
+    shared : object
     jobs : int
         Processes; 1 computes here.
     executor : Executor, optional
         Computes instead of processes of this machine.
-
-    Raises
-    ------
-    ContwalkError
-        If a task has killed its process again and again.
     """
-    if executor is not None:
-        yield from executor.map(function, tasks)
-    elif jobs == 1 or len(tasks) < 2:
-        yield from map(function, tasks)
-    else:
-        yield from _in_processes(function, tasks, min(jobs, len(tasks)))
 
+    def __init__(
+        self,
+        function: Callable[[Shared, Task], Result],
+        shared: Shared,
+        jobs: int = 1,
+        executor: Executor | None = None,
+    ) -> None:
+        self._function, self._shared, self._jobs, self._executor = function, shared, jobs, executor
+        self._pool: ProcessPoolExecutor | None = None
 
-def _in_processes(function: Callable[[Task], Result], tasks: Sequence[Task], jobs: int) -> Iterator[Result]:
-    """As `in_order`; with a lost process its whole pool is lost, and what was not done is done again."""
-    done, lost = 0, 0
-    while done < len(tasks):
-        begun = done
-        try:
-            for result in _in_pool(function, tasks[done:], jobs):
-                done += 1
-                yield result
-        except BrokenProcessPool as error:
-            lost = lost + 1 if done == begun else 1
-            if lost >= MOST_LOST:
-                raise ContwalkError(
-                    f"A worker process has died {lost} times at run {done}, without a word.",
-                    "Was it killed for its memory? Try --jobs 1, which shows where it ends.",
-                ) from error
+    def __enter__(self) -> Runs[Shared, Task, Result]:
+        return self
 
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._leave()
 
-def _in_pool(function: Callable[[Task], Result], tasks: Sequence[Task], jobs: int) -> Iterator[Result]:
-    given = iter(tasks)
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_prepare) as pool:
+    def in_order(self, tasks: Sequence[Task]) -> Iterator[Result]:
+        """Results in the order of the tasks.
+
+        Raises
+        ------
+        ContwalkError
+            If a task has killed its process again and again.
+        """
+        if self._executor is not None:
+            yield from self._elsewhere(self._executor, tasks)
+        elif self._jobs == 1 or len(tasks) < 2:
+            for task in tasks:
+                yield self._function(self._shared, task)
+        else:
+            yield from self._in_processes(tasks)
+
+    def _elsewhere(self, executor: Executor, tasks: Sequence[Task]) -> Iterable[Result]:
+        if hasattr(executor, "map_shared"):
+            found: Iterable[Result] = executor.map_shared(self._function, self._shared, tasks)
+            return found
+        return executor.map(partial(self._function, self._shared), tasks)
+
+    def _in_processes(self, tasks: Sequence[Task]) -> Iterator[Result]:
+        """With a lost process its whole pool is lost, and what was not done is done again."""
+        done, lost = 0, 0
+        while done < len(tasks):
+            begun = done
+            try:
+                for result in self._in_pool(tasks[done:]):
+                    done += 1
+                    yield result
+            except BrokenProcessPool as error:
+                self._leave()
+                lost = lost + 1 if done == begun else 1
+                if lost >= MOST_LOST:
+                    raise ContwalkError(
+                        f"A worker process has died {lost} times at run {done}, without a word.",
+                        "Was it killed for its memory? Try --jobs 1, which shows where it ends.",
+                    ) from error
+
+    def _in_pool(self, tasks: Sequence[Task]) -> Iterator[Result]:
+        if self._pool is None:
+            self._pool = ProcessPoolExecutor(
+                self._jobs, get_context("spawn"), _prepare, (self._function, self._shared)
+            )
+        pool, given = self._pool, iter(tasks)
         waiting: deque[Future[Any]] = deque(
-            pool.submit(function, task) for task in islice(given, AHEAD * jobs)
+            pool.submit(_run, task) for task in islice(given, AHEAD * self._jobs)
         )
         try:
             while waiting:
                 yield waiting.popleft().result()
-                waiting.extend(pool.submit(function, task) for task in islice(given, 1))
+                waiting.extend(pool.submit(_run, task) for task in islice(given, 1))
         finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+            for future in waiting:
+                future.cancel()
+
+    def _leave(self) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
 
 
-def _prepare() -> None:
-    """A worker leaves Ctrl-C to the process that it works for."""
+# In a worker: what makes a result of a task.
+_FUNCTION: list[Callable[[Any], Any]] = []
+
+
+def _prepare(function: Callable[[Any, Any], Any], shared: Any) -> None:
+    """A worker keeps what its tasks share, and leaves Ctrl-C to the process that it works for."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _FUNCTION[:] = [partial(function, shared)]
+
+
+def _run(task: Any) -> Any:
+    return _FUNCTION[0](task)

@@ -88,7 +88,7 @@ class Study:
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
-def row_of(task: tuple[Study, Ray]) -> dict[str, Any]:
+def row_of(study: Study, ray: Ray) -> dict[str, Any]:
     """The row of a ray; the same wherever it is computed.
 
     Raises
@@ -96,7 +96,6 @@ def row_of(task: tuple[Study, Ray]) -> dict[str, Any]:
     ContwalkError
         If the system here is not the one of the study.
     """
-    study, ray = task
     with one_thread():
         survival = survival_of(study)
         instant = study.solution.instants[ray.instant]

@@ -16,10 +16,11 @@ from contwalk.storage.journal import Journal
 from contwalk.storage.trajectory import Margins, write_margins
 from contwalk.studies.margins.solution import Solution
 from contwalk.studies.margins.survival import BEYOND
-from contwalk.workflow.basin import BasinResult, basin_of
+from contwalk.workflow.basin import BasinResult, basin_of, basin_study
 from contwalk.workflow.basin_files import drawn_basin, write_basin_table
+from contwalk.workflow.basin_points import reached
 from contwalk.workflow.made_with import made_with
-from contwalk.workflow.many_runs import Executor, in_order
+from contwalk.workflow.many_runs import Executor, Runs
 from contwalk.workflow.margin_rays import row_of
 from contwalk.workflow.margin_study import check_unpushed, rays_of, study_of
 from contwalk.workflow.run_file.margins import MarginsFile
@@ -90,21 +91,26 @@ def margins(
     rays, left_out = rays_of(run, study, modes)
     notes += left_out
     check_unpushed(study)
-    identity = {"study": study.key, "rays": [{**asdict(ray), "vector": list(ray.vector)} for ray in rays]}
-    if wanted is not None:
-        identity["basin"] = repr(wanted)
+    identity: dict[str, Any] = {
+        "study": study.key,
+        "rays": [{**asdict(ray), "vector": list(ray.vector)} for ray in rays],
+    }
+    plane = None if wanted is None else basin_study(run, study)
+    if plane is not None:
+        identity |= {"basin": repr(wanted), "solutions known to the basin": plane.attractors.hashes}
     with Journal(journal, identity, resume) as kept:
         rows = list(kept.kept[: len(rays)])
-        rest = [(study, ray) for ray in rays[len(rows) :]]
-        for row in in_order(row_of, rest, jobs, executor):
-            kept.add(row)
-            rows.append(row)
-            if progress is not None:
-                progress(len(rows), len(rays))
+        with Runs(row_of, study, jobs, executor) as runs:
+            for row in runs.in_order(rays[len(rows) :]):
+                kept.add(row)
+                rows.append(row)
+                if progress is not None:
+                    progress(len(rows), len(rays))
         notes += _notes_of(rows)
         basin = None
-        if wanted is not None:
-            basin = basin_of(run, study, kept, kept.kept[len(rays) :], jobs, executor)
+        if plane is not None:
+            with Runs(reached, plane, jobs, executor) as runs:
+                basin = basin_of(run, plane, kept, kept.kept[len(rays) :], runs)
             notes += basin.notes
         write_margins(names.database, _to_store(run, study.solution, rows, notes, basin))
         files, drawn = [names.database], []

@@ -42,7 +42,7 @@ WELL = System(
     states=(State("x"), State("v")),
     parameters=(Parameter("tilt", 0.0),),
     modes=(Mode("free", well),),
-    starts=(Start("right", lambda p: [[1.0, 0.0]]),),
+    starts=(Start("right", lambda p: [[1.0, 0.0]]), Start("both", lambda p: [[1.0, 0.0], [-1.0, 0.0]])),
     fallen=lambda t, x, p: -x[0],
 )
 SYSTEM = {which}
@@ -183,6 +183,31 @@ def test_the_basin_of_a_well_is_where_its_energy_says(contwalk, folder):
     assert [(folder / f"well_{n}").read_bytes() for n in ("margins.h5", "basin.csv", "basin.png")] == whole
 
 
+def test_a_basin_whose_database_has_gained_a_solution_is_another_study(contwalk, folder, monkeypatch):
+    """Motions of the first part would be `new1` that the second part calls `b2/0`."""
+    import contwalk.workflow.margins as module
+
+    prepared(folder, "well", start="right", free="tilt", range="[0, 0.1]", time=1)
+    basin = "margins.basin={states: {x: [0.5, 1.5], v: [-0.1, 0.1]}, cells: 2, levels: 0}"
+    computed, left = module.reached, [3]
+
+    def stopped(study, push):
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+        return computed(study, push)
+
+    monkeypatch.setattr(module, "reached", stopped)
+    assert contwalk("margins", "well.yaml", "--set", basin).code == 130
+    monkeypatch.setattr(module, "reached", computed)
+    both = ("--set", "start.equilibrium=both", "--force", "--no-figures", "--quiet")
+    assert contwalk("continue", "well.yaml", *both).code == 0
+    done = contwalk("margins", "well.yaml", "--set", basin, "--resume")
+    assert done.code == 2
+    assert "what differs: solutions known to the basin." in " ".join(done.err.split())
+    assert contwalk("margins", "well.yaml", "--set", basin, "--force").code == 0
+
+
 def test_two_processes_and_a_run_that_was_killed_leave_the_same_bytes(contwalk, oscillator):
     contwalk("margins", "oscillator.yaml", "--no-figures")
     files = [oscillator / f"oscillator_margins.{suffix}" for suffix in ("h5", "csv")]
@@ -202,10 +227,10 @@ def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch):
     file.unlink()
     (oscillator / "oscillator_margins.csv").unlink()
 
-    def stopped(task):
-        if task[1].number == 2:
+    def stopped(study, ray):
+        if ray.number == 2:
             raise KeyboardInterrupt
-        return computed(task)
+        return computed(study, ray)
 
     monkeypatch.setattr(module, "row_of", stopped)
     assert contwalk("margins", "oscillator.yaml", "--no-figures").code == 130
@@ -213,9 +238,9 @@ def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch):
     assert again.code == 2
     assert "--resume" in again.err
 
-    def counted(task):
-        assert task[1].number >= 2
-        return computed(task)
+    def counted(study, ray):
+        assert ray.number >= 2
+        return computed(study, ray)
 
     monkeypatch.setattr(module, "row_of", counted)
     assert contwalk("margins", "oscillator.yaml", "--no-figures", "--resume").code == 0

@@ -11,7 +11,7 @@ from small_systems import labelled, small_system
 
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.reopening import reopened
+from contwalk.continuation.reopening import reopened, stored_place
 from contwalk.errors import DatabaseError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.restoring import problem_of
@@ -305,6 +305,14 @@ def test_pinned_directions_are_pinned_again(declared):
     _, sample = reopened(system, branch, 3)
     stored = branch.points["spectrum"][3]
     assert np.allclose(sample.eigenvalues, stored, rtol=1e-14, atol=0.0)
+
+
+def test_a_point_that_is_not_located_stands_at_its_row(folded):
+    system, branch = folded
+    point = replace(branch.special_points[0], status="unlocated", unknowns=(), tangent=(), index=2)
+    place, row = stored_place(branch, point), stored_place(branch, 2)
+    np.testing.assert_array_equal(place.z, row.z)
+    np.testing.assert_array_equal(reopened(system, branch, point)[1].z, row.z)
 
 
 def test_another_system_is_refused(folded):

@@ -5,17 +5,16 @@ from __future__ import annotations
 import os
 import signal
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from pathlib import Path
 
 import pytest
 
 from contwalk.errors import ContwalkError
-from contwalk.workflow.many_runs import in_order
+from contwalk.workflow.many_runs import Runs
 
 
-def squared(task):
-    return task, os.getpid(), task**2
+def squared(shared, task):
+    return task, os.getpid(), task**2 + shared
 
 
 def killed_once(folder, task):
@@ -27,34 +26,62 @@ def killed_once(folder, task):
     return task
 
 
-def killed_always(task):
+def killed_always(shared, task):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def refused(task):
+def refused(shared, task):
     raise ContwalkError(f"no {task}", "")
 
 
+def in_order(function, shared, tasks, **how):
+    with Runs(function, shared, **how) as runs:
+        return list(runs.in_order(tasks))
+
+
 def test_results_come_in_the_order_of_the_tasks_from_other_processes():
-    found = list(in_order(squared, list(range(40)), jobs=2))
-    assert [square for _, _, square in found] == [n**2 for n in range(40)]
+    found = in_order(squared, 7, list(range(40)), jobs=2)
+    assert [square for _, _, square in found] == [n**2 + 7 for n in range(40)]
     assert {process for _, process, _ in found}.isdisjoint({os.getpid()})
 
 
+class Counted:
+    """What is shared, and how often it was sent."""
+
+    def __init__(self):
+        self.sent = 0
+
+    def __getstate__(self):
+        self.sent += 1
+        return {}
+
+
+def process_of(shared, task):
+    return os.getpid()
+
+
+def test_what_is_shared_goes_to_each_process_once():
+    """Also where runs are asked for in several parts, as those of a plane are that is refined."""
+    shared = Counted()
+    with Runs(process_of, shared, jobs=2) as runs:
+        processes = {process for _ in range(3) for process in runs.in_order(list(range(30)))}
+    assert len(processes) <= shared.sent <= 2
+
+
 def test_a_lost_process_loses_nothing(tmp_path):
-    assert list(in_order(partial(killed_once, str(tmp_path)), list(range(10)), jobs=2)) == list(range(10))
+    assert in_order(killed_once, str(tmp_path), list(range(10)), jobs=2) == list(range(10))
 
 
 def test_a_task_that_kills_its_process_each_time_is_told():
     with pytest.raises(ContwalkError, match="has died 3 times"):
-        list(in_order(killed_always, [1, 2], jobs=2))
+        in_order(killed_always, None, [1, 2], jobs=2)
 
 
 def test_an_error_of_a_run_is_raised_here():
     with pytest.raises(ContwalkError, match="no 1"):
-        list(in_order(refused, [1, 2], jobs=2))
+        in_order(refused, None, [1, 2], jobs=2)
 
 
 def test_anything_with_map_may_compute():
     with ThreadPoolExecutor(2) as executor:
-        assert [r[2] for r in in_order(squared, [1, 2, 3], executor=executor)] == [1, 4, 9]
+        assert [r[2] for r in in_order(squared, 0, [1, 2, 3], executor=executor)] == [1, 4, 9]

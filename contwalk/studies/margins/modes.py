@@ -44,8 +44,6 @@ def mode_directions(
     ContwalkError
         If there are fewer.
     """
-    if isinstance(point, SpecialPoint) and not point.unknowns:
-        point = point.index
     with np.errstate(all="ignore"):
         problem: Any
         problem, sample = reopened(system, branch, point, ACCURATE)

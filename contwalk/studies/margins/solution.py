@@ -103,13 +103,13 @@ def solution_at(
     with np.errstate(all="ignore"):
         problem: Any
         problem, sample = reopened(system, branch, point, ACCURATE)
-        kind, told = branch.info.problem, _told_state(branch, point)
+        kind, stored = branch.info.problem, _stored_state(branch, point)
         if kind == "equilibrium":
             found = _equilibrium(system, problem, sample)
         elif kind == "hybrid_orbit":
-            found = _with_events(system, branch, problem, sample, fractions, told)
+            found = _with_events(system, branch, problem, sample, fractions, stored)
         elif kind == "periodic_orbit":
-            found = _smooth(system, branch, problem, sample, fractions, told)
+            found = _smooth(system, branch, problem, sample, fractions, stored)
         else:
             raise ContwalkError(
                 f"Branch {branch.name} is one of {kind} points, which are no motions.",
@@ -118,7 +118,7 @@ def solution_at(
     return found
 
 
-def _told_state(branch: Branch, point: SpecialPoint | int) -> np.ndarray:
+def _stored_state(branch: Branch, point: SpecialPoint | int) -> np.ndarray:
     """The state that the database tells of a point, shape (n,): where the run asked for it (`report_at`)."""
     if isinstance(point, SpecialPoint):
         if point.state:
@@ -137,14 +137,14 @@ def _equilibrium(system: System, problem: Any, sample: Any) -> Solution:
 
 
 def _smooth(
-    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float], told: np.ndarray
+    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float], stored: np.ndarray
 ) -> Solution:
     z, mode = sample.z, system.modes[0].name
     curve, duration = problem.curve(z), problem.duration(z)
     _, states = problem.motion_of(z)
     period = int(branch.info.settings.get("fold", 1)) * sample.period
     values = dict(problem.values_of(z))
-    begin, _ = _nearest(curve.at, told, np.ptp(states, axis=0), _neutral(system, problem, states[0]))
+    begin, _ = _nearest(curve.at, stored, np.ptp(states, axis=0), _neutral(system, problem, states[0]))
     instants = []
     for fraction in fractions:
         share = (begin + fraction) % 1.0
@@ -156,7 +156,7 @@ def _smooth(
 
 
 def _with_events(
-    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float], told: np.ndarray
+    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float], stored: np.ndarray
 ) -> Solution:
     problem, z = problem.explicit(sample.z)
     stretches, legs = problem.stretches(z), problem.word.unfolded(system).legs
@@ -168,7 +168,7 @@ def _with_events(
         states.append(np.where(np.isin(np.arange(seen.shape[1]), stretch.exists), seen, np.nan))
     course = np.concatenate(states)
     low, high = _bounds(course)
-    at = begins + _told_at(system, problem, z, high - low, told)
+    at = begins + _stored_at(system, problem, z, high - low, stored)
     instants = []
     for fraction in fractions:
         time = at + fraction * closure
@@ -181,7 +181,7 @@ def _with_events(
     return _solution(system, dict(problem.values_of(z)), period, instants, cycle, course, problem)
 
 
-def _told_at(system: System, problem: Any, z: np.ndarray, ranges: np.ndarray, target: np.ndarray) -> float:
+def _stored_at(system: System, problem: Any, z: np.ndarray, ranges: np.ndarray, target: np.ndarray) -> float:
     """Seconds from the first leg's start to the state that the database tells of the orbit, `target`."""
     stretches = problem.stretches(z)
     if not np.isfinite(target).all():

@@ -77,8 +77,7 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
     from contwalk.problems.hybrid.margins import DERIVED
     from contwalk.workflow.stored.orbits import PICTURE
 
-    where = point.index if isinstance(point, SpecialPoint) and not point.unknowns else point
-    problem, sample = reopened(system, branch, where, PICTURE)
+    problem, sample = reopened(system, branch, point, PICTURE)
     z = sample.z
     segments = tuple(
         SegmentFact(mode, float(duration), event)

@@ -106,8 +106,6 @@ def displaced_along(
 
 
 def _deviations(system: System, branch: Branch, point: SpecialPoint | int) -> Deviations:
-    if isinstance(point, SpecialPoint) and not point.unknowns:  # one that is not located has a row at most
-        point = point.index
     problem, sample = reopened(system, branch, point, PICTURE)
     return Deviations(problem, sample.z)  # type: ignore[arg-type]
 

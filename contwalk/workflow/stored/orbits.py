@@ -177,7 +177,6 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
         name, admissible = point.name, point.admissible
         stable = not (point.unstable_before or point.unstable_after)
         stable &= not (point.label == "EP" and point.kind in ENDS_AT_BIFURCATION)
-        point = point if point.unknowns else point.index  # one that is not located has a row at most
     else:
         row = branch.points[point]
         name, admissible, stable = str(point), bool(row["admissible"]), _is_stable(branch, point)
