@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING
 import click
 
 from contwalk.cli.jobs_option import jobs_option
+from contwalk.cli.scheduler_option import check_one, scheduler_option
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rich.console import Console
 
     from contwalk.workflow.run_file.sample import SampleFile
@@ -22,15 +25,20 @@ if TYPE_CHECKING:
 @click.option("--output", metavar="X.h5", help="Base of the files' names, instead of the run file's output.")
 @jobs_option("Motions at once (1); auto: one for each processor. The result is the same.", 1)
 @click.option("--threads", type=click.IntRange(1, 1024), hidden=True, help="Another name of --jobs.")
+@scheduler_option()
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
+@click.pass_context
 def command(
+    context: click.Context,
+    *,
     file: str,
     overrides: tuple[str, ...],
     output: str | None,
     jobs: int,
     threads: int | None,
+    scheduler: str | None,
     force: bool,
     quiet: bool,
     no_figures: bool,
@@ -41,28 +49,37 @@ def command(
 
     Exit codes: 0; 1 if a motion could not be integrated; 2 for bad input, with nothing written.
     """
+    threads = threads or jobs
+    check_one(context, threads, scheduler)
     from contwalk.cli.entry import say
     from contwalk.cli.terminal import console
     from contwalk.cli.words import plural
+    from contwalk.workflow.cluster import executor_at
     from contwalk.workflow.run_file.sample import read_sampling
     from contwalk.workflow.sampling import sample
 
-    run, threads = read_sampling(file, overrides, output), threads or jobs
+    run = read_sampling(file, overrides, output)
     watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
+
+    def found(progress: Callable[[int], None] | None = None) -> SampleResult:
+        with executor_at(scheduler) as executor:
+            return sample(
+                run,
+                threads=threads,
+                executor=executor,
+                force=force,
+                figures=not no_figures,
+                progress=progress,
+            )
+
     if watched:
         from rich.progress import Progress
 
         with Progress(console=console(stderr=True), transient=True) as bar:
             task = bar.add_task("motions", total=run.sampling.count)
-            result = sample(
-                run,
-                threads=threads,
-                force=force,
-                figures=not no_figures,
-                progress=lambda done: bar.advance(task, done),
-            )
+            result = found(lambda done: bar.advance(task, done))
     else:
-        result = sample(run, threads=threads, force=force, figures=not no_figures)
+        result = found()
     if not quiet:
         _print(console(), run, result)
     if result.summary.failed:

@@ -10,7 +10,8 @@ from typing import Any
 
 from contwalk.continuation.ahead import Message, Task
 from contwalk.errors import ContwalkError
-from contwalk.workflow.walking_ahead import StudyText, failed_elsewhere, walked
+from contwalk.workflow.study_text import StudyText
+from contwalk.workflow.walking_ahead import failed_elsewhere, walked
 
 
 class NoExecutor(ContwalkError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from contwalk.continuation.ahead import Message, Task
-from contwalk.workflow.walking_ahead import StudyText
+from contwalk.workflow.study_text import StudyText
 
 
 @dataclass(frozen=True)

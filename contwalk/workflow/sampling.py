@@ -4,25 +4,32 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contwalk.errors import StartError
+from contwalk.flow.ensemble.sampling import BATCH
 from contwalk.numerics.threads import one_thread
-from contwalk.problems.equilibrium.declared import named_equilibria
 from contwalk.storage.failures import failures_of
-from contwalk.system import System
-from contwalk.system.declarations import ParameterValues
 from contwalk.workflow.made_with import made_with
-from contwalk.workflow.run_file.products import Product
+from contwalk.workflow.many_runs import Executor, Runs
 from contwalk.workflow.run_file.sample import SampleFile
+from contwalk.workflow.sampled_motions import (
+    Draws,
+    drawn,
+    level_guard,
+    measured,
+    measured_elsewhere,
+    together,
+)
 from contwalk.workflow.simulating import start_of
+from contwalk.workflow.study_text import StudyText
 
-MOST_IMAGES = 120  # of an equilibrium under symmetries that rename: five things can be renumbered so often
+# Motions to a task for another process: whole batches, some seconds' work where a motion takes milliseconds.
+PART = 8 * BATCH
 
 
 @dataclass(frozen=True)
@@ -71,6 +78,7 @@ def sample(
     run: SampleFile,
     *,
     threads: int | None = None,
+    executor: Executor | None = None,
     force: bool = False,
     figures: bool = True,
     progress: Callable[[int], None] | None = None,
@@ -82,6 +90,8 @@ def sample(
     run : SampleFile
     threads : int, optional
         As many as there are processors by default. The result does not depend on it.
+    executor : Executor, optional
+        What computes instead, such as a pool or a cluster's client: anything with `map`.
     force : bool
         Replace files that exist.
     figures : bool
@@ -99,165 +109,55 @@ def sample(
 
     database, table = run.file("samples.h5"), run.file("samples.csv")
     named = (figure.options.get("file") for figure in run.figures)
-    drawn = [run.output.parent / name if name else run.file("histogram.png") for name in named]
-    drawn = list(dict.fromkeys(drawn)) if figures else []
-    refuse_existing([database, table, *drawn], force)
-    state, base, _ = start_of(run.system, run.start)
-    names, draws = drawn_values(run, base)
-    starts, parameters = _put(run.system, state, base, names, draws)
-    units = np.array([_unit(run, row) for row in _rows(run.system, parameters)])
-    found, targets = _measured(run, starts, parameters, units, threads, progress)
-    values = _values(run, found, starts, parameters) / units
+    pictures = [run.output.parent / name if name else run.file("histogram.png") for name in named]
+    pictures = list(dict.fromkeys(pictures)) if figures else []
+    refuse_existing([database, table, *pictures], force)
+    draws = drawn(run, range(run.sampling.count))
+    found, there = _measured(run, draws, threads, executor, progress)
+    values = _values(run, found, draws) / draws.units
     label = run.sampling.time_unit.name if run.sampling.time_unit else "time"
     samples = Samples(
         system=run.system.name,
-        drawn=tuple(names),
+        drawn=draws.names,
         measured=label,
-        draws=draws,
+        draws=draws.values,
         values=values,
         settled=_settled(found),
         crossed=found.crossed,
-        ends=found.ended_at / units,
+        ends=found.ended_at / draws.units,
         header={
             "config": run.text,
             "overrides": list(run.overrides),
-            "parameters": base,
+            "parameters": start_of(run.system, run.start)[1],
             "provenance": made_with(run.path, run.system_reference, run.system),
         },
     )
-    summary = _summary(samples, found, int(np.isnan(targets[:, 0, 0]).sum()))
+    summary = _summary(samples, found, int((~there).sum()))
     write_samples(database, samples)
     _write_table(samples, table)
-    for path in drawn:
+    for path in pictures:
         _draw(run, samples, summary, path, label)
-    return SampleResult(samples, summary, [database, table], drawn)
-
-
-def drawn_values(run: SampleFile, base: Mapping[str, float]) -> tuple[list[str], np.ndarray]:
-    """Names of what is drawn, in the order of the system, and the draws, shape (count, names).
-
-    Every sample has a stream of random numbers of its own, made from the seed and its index: Philox, keyed by
-    NumPy's SeedSequence.
-    """
-    sampling = run.sampling
-    known = (*run.system.state_names, *run.system.parameter_names)
-    names = [name for name in known if name in sampling.draw]
-    low, high = (np.array([sampling.draw[name][end].value(base) for name in names]) for end in (0, 1))
-    uniform = np.empty((sampling.count, len(names)))
-    for index in range(sampling.count):
-        seed = np.random.SeedSequence(sampling.seed, spawn_key=(index,))
-        uniform[index] = np.random.Generator(np.random.Philox(seed)).random(len(names))
-    return names, low + (high - low) * uniform
-
-
-def _put(
-    system: System, state: np.ndarray, base: Mapping[str, float], names: Sequence[str], draws: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """States and parameters of all samples: those of the start with the draws in their places."""
-    count = len(draws)
-    starts = np.tile(state, (count, 1))
-    parameters = np.tile([base[name] for name in system.parameter_names], (count, 1))
-    for column, name in enumerate(names):
-        if name in system.state_names:
-            starts[:, system.state_names.index(name)] = draws[:, column]
-        else:
-            parameters[:, system.parameter_names.index(name)] = draws[:, column]
-    return starts, parameters
-
-
-def _rows(system: System, parameters: np.ndarray) -> list[dict[str, float]]:
-    return [dict(zip(system.parameter_names, row, strict=True)) for row in parameters.tolist()]
-
-
-def _unit(run: SampleFile, parameters: Mapping[str, float]) -> float:
-    unit = run.sampling.time_unit
-    return 1.0 if unit is None else unit.length.value(parameters)
+    return SampleResult(samples, summary, [database, table], pictures)
 
 
 def _measured(
     run: SampleFile,
-    starts: np.ndarray,
-    parameters: np.ndarray,
-    units: np.ndarray,
+    draws: Draws,
     threads: int | None,
+    executor: Executor | None,
     progress: Callable[[int], None] | None,
 ) -> tuple[Any, np.ndarray]:
-    """All motions computed, and the places where each might come to rest."""
-    from contwalk.flow.compiled.traced import field_of
-    from contwalk.flow.ensemble.sampling import Motions, measure
-    from contwalk.flow.events.motion import Machine, magnitudes
-
-    system, sampling = run.system, run.sampling
-    field = field_of(system)
-    targets = resting_places(system, sampling.settled.equilibrium, _rows(system, parameters))
-    first = Machine(field, parameters[0], field.constants(parameters[0]), (), system.modes[0].name)
-    limits = sampling.until * units
-    scales = [state.scale for state in system.states]
-    weights = magnitudes(first, 0.0, starts[0], float(limits[0]), scales, "dop853")
-    motions = Motions(
-        field=field,
-        guard=_guard(run),
-        starts=starts,
-        parameters=parameters,
-        targets=targets,
-        limits=limits,
-        within=np.array([sampling.settled.within.get(name, math.inf) for name in system.state_names]),
-        periods=np.array([state.period or 0.0 for state in system.states]),
-        first=sampling.measure.crossing == "first",
-    )
-    return measure(motions, sampling.tolerance, weights, threads, progress), targets
-
-
-def _guard(run: SampleFile) -> Any:
-    """The observable at one instant, less the level."""
-    from contwalk.flow.events.guard import Guard
-
-    wanted = run.sampling.measure
-    (function,) = [o.function for o in run.system.observables if o.name == wanted.observable]
-    level = wanted.level
-
-    def beyond(t: Any, x: Any, p: Any) -> Any:
-        return function(np.array([t]), x.reshape(1, -1), p) - _at(level, p)
-
-    return Guard(run.system, wanted.observable, beyond, wanted.direction)
-
-
-def _at(product: Product, p: Any) -> Any:
-    """A product of parameters that may be symbols."""
-    result = 1.0
-    for factor, divides in product.factors:
-        plain = getattr(p, factor) if isinstance(factor, str) else factor
-        result = result / plain if divides else result * plain
-    return result
-
-
-def resting_places(system: System, name: str, parameters: Sequence[Mapping[str, float]]) -> np.ndarray:
-    """The named equilibria and their images under symmetries that rename: (k, most, n), NaN where fewer."""
-    found: list[list[np.ndarray]] = []
-    for row in parameters:
-        try:
-            states = named_equilibria(system, name, row)
-        except StartError:
-            states = []
-        found.append(_images(system, states, ParameterValues(**row)))
-    most = max(1, *(len(places) for places in found)) if found else 1
-    result = np.full((len(found), most, len(system.states)), np.nan)
-    for index, places in enumerate(found):
-        if places:
-            result[index, : len(places)] = places
-    return result
-
-
-def _images(system: System, states: Sequence[np.ndarray], p: ParameterValues) -> list[np.ndarray]:
-    maps = [symmetry.map for symmetry in system.symmetries if symmetry.role == "relabel"]
-    found = [np.asarray(state, dtype=float) for state in states]
-    for place in found:  # grows while it is gone through
-        for image_of in maps:
-            image = np.empty_like(place)
-            image_of(0.0, place, p, image)
-            if len(found) < MOST_IMAGES and not any(np.allclose(image, other) for other in found):
-                found.append(image)
-    return found
+    """The motions computed in threads or by an executor, and, of shape (k,), whether each may rest."""
+    if executor is None:
+        return measured(run, draws, threads, progress)
+    count, found = run.sampling.count, []
+    parts = [range(first, min(first + PART, count)) for first in range(0, count, PART)]
+    with Runs(measured_elsewhere, StudyText.of(run), executor=executor) as runs:
+        for numbers, part in zip(parts, runs.in_order(parts), strict=True):
+            found.append(part)
+            if progress is not None:
+                progress(len(numbers))
+    return together(found)
 
 
 def _settled(found: Any) -> np.ndarray:
@@ -272,12 +172,12 @@ def _failed(found: Any) -> np.ndarray:
     return np.isin(found.ended, (NOT_FINITE, GIVEN_UP))
 
 
-def _values(run: SampleFile, found: Any, starts: np.ndarray, parameters: np.ndarray) -> np.ndarray:
+def _values(run: SampleFile, found: Any, draws: Draws) -> np.ndarray:
     """Instants of the crossings; NaN where there is none, 0 where the observable was beyond all along."""
-    guard, last = _guard(run), run.sampling.measure.crossing == "last"
+    guard, last = level_guard(run), run.sampling.measure.crossing == "last"
     values = np.where(found.crossed, found.crossed_at, np.nan)
     for index in np.flatnonzero(~found.crossed) if last else ():
-        value, rate, _ = guard(0.0, starts[index], parameters[index])
+        value, rate, _ = guard(0.0, draws.starts[index], draws.parameters[index])
         if np.sign(value or rate) == guard.direction:
             values[index] = 0.0
     values[_failed(found)] = np.nan

@@ -3,37 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation.ahead import NAMELESS, Message, Task, messages_of
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.branch_walk import BranchWalk
 from contwalk.continuation.growing import grown
-from contwalk.errors import PluginError
 from contwalk.memory import remembered
 from contwalk.numerics.threads import one_thread
 from contwalk.workflow.plans import all_places, coverage_of, start_at, studies_of
-from contwalk.workflow.run_file.reading import RunFile, read_run_text
+from contwalk.workflow.run_file.reading import read_run_text
+from contwalk.workflow.study_text import StudyText
 
 # Starts are kept for the branches that leave theirs.
 MOST_STARTS = 64
-
-
-@dataclass(frozen=True)
-class StudyText:
-    """A run file as data that any process understands, with the hash of its plugin's source."""
-
-    text: str
-    path: str
-    overrides: tuple[str, ...]
-    source: str
-
-    @classmethod
-    def of(cls, run_file: RunFile) -> StudyText:
-        """That of a run file that was read."""
-        path = str(run_file.path.resolve())
-        return cls(run_file.text, path, run_file.overrides, str(run_file.system.source))
 
 
 class Seeds:
@@ -59,12 +42,7 @@ class Walker:
 
     def __init__(self, study: StudyText) -> None:
         run_file = read_run_text(study.text, study.path, study.overrides)
-        if str(run_file.system.source) != study.source:
-            raise PluginError(
-                f"The plugin '{run_file.system_reference}' is not the one that the run began with: its "
-                "source has changed, or another version is installed where branches are walked.",
-                "Install the same version everywhere, and start the run again.",
-            )
+        study.check(run_file.system_reference, run_file.system)
         self._coverage = coverage_of(run_file)
         self._walk = BranchWalk(self._coverage)
         self._places = all_places(studies_of(run_file))

@@ -19,7 +19,8 @@ from typing import BinaryIO
 from contwalk.continuation.ahead import Task
 from contwalk.numerics.threads import one_thread
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk
-from contwalk.workflow.walking_ahead import StudyText, Walker
+from contwalk.workflow.study_text import StudyText
+from contwalk.workflow.walking_ahead import Walker
 
 
 class Requests:

@@ -5,11 +5,17 @@ from __future__ import annotations
 import csv
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from contwalk.errors import PluginError
 from contwalk.storage.trajectory import read_samples
+from contwalk.workflow import sampling
+from contwalk.workflow.run_file.sample import read_sampling
+from contwalk.workflow.sampled_motions import measured_elsewhere
+from contwalk.workflow.study_text import StudyText
 
 # x' = -rate x from a drawn height: x passes `level` at log(height / level) / rate.
 PLUGIN = """\
@@ -101,6 +107,36 @@ def test_a_seed_gives_the_same_samples_whatever_their_number_and_that_of_threads
     np.testing.assert_array_equal(a.ends[:35], b.ends)
     contwalk("sample", "s.yaml", "--set", "sample.seed=6", "--output", "c.h5", "--quiet")
     assert not np.isin(read_samples(falling / "c_samples.h5").draws, a.draws).any()
+
+
+class Backwards:
+    """Computes the last part first, and each twice, as a cluster may that has lost a worker."""
+
+    def map(self, function, tasks):
+        found = {k: (function(task), function(task))[1] for k, task in reversed(list(enumerate(tasks)))}
+        return [found[k] for k in sorted(found)]
+
+
+def test_whatever_computes_the_parts_of_a_sampling_leaves_the_same_table(contwalk, falling, monkeypatch):
+    assert contwalk("sample", "s.yaml", "--quiet", "--set", "sample.draw.place=[0.5, 1.0]").code == 0
+    whole = (falling / "s_samples.csv").read_bytes()
+    a = read_samples(falling / "s_samples.h5")
+    monkeypatch.setattr(sampling, "PART", 17)
+    told = []
+    run = read_sampling("s.yaml", ("sample.draw.place=[0.5, 1.0]",))
+    found = sampling.sample(run, executor=Backwards(), force=True, figures=False, progress=told.append)
+    assert told == [17, 17, 17, 9]
+    assert found.summary.without_equilibrium > 0
+    assert (falling / "s_samples.csv").read_bytes() == whole
+    b = read_samples(falling / "s_samples.h5")
+    for name in ("draws", "values", "settled", "crossed", "ends"):
+        assert getattr(a, name).tobytes() == getattr(b, name).tobytes(), name
+
+
+def test_another_plugin_where_motions_are_computed_is_refused(contwalk, falling):
+    study = replace(StudyText.of(read_sampling("s.yaml")), source="another")
+    with pytest.raises(PluginError, match="not the one that the run began with"):
+        measured_elsewhere(study, range(3))
 
 
 def test_what_never_settles_or_never_crosses_is_counted(contwalk, falling):

@@ -21,7 +21,8 @@ from contwalk.workflow import workers
 from contwalk.workflow.executors import NoExecutor
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
-from contwalk.workflow.walking_ahead import Seeds, StudyText, Walker
+from contwalk.workflow.study_text import StudyText
+from contwalk.workflow.walking_ahead import Seeds, Walker
 from contwalk.workflow.workers import LOST, MOST_LOST, Workers
 
 ROOT = Path(__file__).parents[2]

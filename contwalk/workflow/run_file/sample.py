@@ -44,7 +44,19 @@ def read_sampling(path: str | Path, overrides: Sequence[str] = (), output: str |
     RunFileError
         For every problem, with file, line and key.
     """
-    text = text_of_file(Path(path), str(path))
+    return read_sampling_text(text_of_file(Path(path), str(path)), path, overrides, output)
+
+
+def read_sampling_text(
+    text: str, path: str | Path, overrides: Sequence[str] = (), output: str | None = None
+) -> SampleFile:
+    """As `read_sampling` of a text; what it names is looked for beside the file of that path.
+
+    Raises
+    ------
+    RunFileError
+        For every problem, with file, line and key.
+    """
     problems, model, system = opened(text, path, overrides)
     if model.sample is None:
         raise RunFileError(
