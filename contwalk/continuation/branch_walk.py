@@ -18,18 +18,18 @@ from contwalk.continuation.branch_in_progress import (
     spent,
 )
 from contwalk.continuation.events import Began, Cut, Event, Found, Noted, Plan
+from contwalk.continuation.first_steps import Beginning, FirstSteps, Place
 from contwalk.continuation.marks import Observer, marks_at, observer_of
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import End, walk
 from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.standing_still import with_what_stands_still
-from contwalk.continuation.state import ContinuationState
 from contwalk.labels import END
 from contwalk.problems.problem import Mirror, Problem, Sample
 
 # Where each direction sets out, by its sign.
-Places = dict[float, tuple[Problem, ContinuationState]]
+Places = dict[float, Place]
 
 
 class BranchWalk:
@@ -43,6 +43,7 @@ class BranchWalk:
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
         self._mirrored: tuple[Opening, Mirror | None] | None = None
+        self._begun: Beginning | None = None
 
     def signs(self, start: Start) -> tuple[float, ...]:
         """The directions that the branch of a start is walked in, the first one first."""
@@ -81,6 +82,26 @@ class BranchWalk:
             mirror = None
         return info if mirror is None else replace(info, settings={**info.settings, "mirror": mirror.names})
 
+    def beside(self, start: Start, opening: Opening, sign: float) -> Sample | None:
+        """The first point away from a start, or half way to where the branch ends before it.
+
+        The steps to that point are not taken again where the branch is walked.
+        """
+        settings = self._plan.settings
+        if self._begun is None or self._begun.opening is not opening:
+            row = to_row(self.info(start, ""), opening.problem, opening.state, 1.0, None)
+            self._begun = Beginning(opening, row)
+        problem, state = from_row(opening.problem, self._begun.row[0], sign, start.parent is not None)
+        # The start is one of the points that a branch may have, but one step is looked at in any case.
+        observer, points = observer_of(opening.problem), max(settings.max_points - 1, 1)
+        steps = FirstSteps((problem, state), settings, observer, sign, points)
+        self._begun.steps[sign] = steps
+        event = steps.first()
+        if isinstance(event, End) and event.special.s != state.s:
+            state = replace(state, step=0.5 * abs(event.special.s - state.s))
+            event = FirstSteps((problem, state), settings, observer, sign, points).first()
+        return None if isinstance(event, End) else event.state.sample
+
     def events(
         self,
         start: Start,
@@ -115,11 +136,16 @@ class BranchWalk:
                     text = f"{work.info.name}: integrated by {problem.meshed.method}."
                     yield Noted(f"method {work.info.name}", text)
             yield from self._kinks(problem, work, opening.state.sample, opening.state.sample)
-            work.rows = [to_row(work.info, problem, opening.state, 1.0, None)]
+            begun = self._begun if self._begun is not None and self._begun.opening is opening else None
+            row = to_row(work.info, problem, opening.state, 1.0, None) if begun is None else begun.row
+            work.rows, steps = [row], {} if begun is None else begun.steps
             yield Found(work.info, work.rows[0], None)
             # The walk sets out from what the row tells, as it would when taken up again.
             born = work.info.parent is not None
-            places = {sign: from_row(problem, work.rows[0][0], sign, born) for sign in signs}
+            places = {
+                sign: steps[sign].place if sign in steps else from_row(problem, row[0], sign, born)
+                for sign in signs
+            }
         else:
             without = outdated(stored, settings)
             places, points = resumed(problem, work, stored, signs, settings.events, without)
@@ -170,7 +196,7 @@ class BranchWalk:
         self,
         problem: Problem,
         work: BranchInProgress,
-        place: tuple[Problem, ContinuationState],
+        place: Place,
         sign: float,
         observer: Observer,
     ) -> Iterator[Event]:
@@ -179,7 +205,12 @@ class BranchWalk:
         done = sum(1 for row in work.rows if row["s"][0] * sign > 0.0)
         begun = from_row(problem, work.rows[0][0], sign, work.info.parent is not None)[1] if done else None
         left = settings.max_points - spent(work, sign)
-        for event in walk(*place, settings, observer, sign, left, begun=begun, done=done):
+        first = None if self._begun is None else self._begun.steps.pop(sign, None)
+        if first is not None and first.place is place and first.points == left:
+            events = first.whole()
+        else:
+            events = walk(*place, settings, observer, sign, left, begun=begun, done=done)
+        for event in events:
             if isinstance(event, End):
                 outcome = with_what_stands_still(event.outcome, work.rows, sign, problem.line.free)
                 end = replace(event.special, note=outcome.message)

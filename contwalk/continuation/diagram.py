@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -28,13 +27,11 @@ from contwalk.continuation.branch_in_progress import (
 from contwalk.continuation.branch_walk import BranchWalk
 from contwalk.continuation.events import Began, Dropped, Ended, Event, Noted, Plan
 from contwalk.continuation.growing import grown
-from contwalk.continuation.marks import observer_of
 from contwalk.continuation.opening import Opening
-from contwalk.continuation.pseudo_arclength import Point, walk
 from contwalk.continuation.recognition import Known, known_branch
-from contwalk.continuation.state import ContinuationState, turned
+from contwalk.continuation.state import ContinuationState
 from contwalk.labels import END
-from contwalk.problems.problem import Problem, Sample
+from contwalk.problems.problem import Problem
 
 
 class Diagram:
@@ -113,7 +110,7 @@ class Diagram:
         """The known branch that a start, or its image, lies on."""
         if isinstance(start.opening, Outcome):
             return None
-        problem, state = start.opening.problem, start.opening.state
+        opening, problem, state = start.opening, start.opening.problem, start.opening.state
         if start.parent is None:
             return known_branch(problem, state.sample, self.branches)
         twin = self._twin(start)
@@ -124,11 +121,9 @@ class Diagram:
             if family is not None:
                 return Known(family)
         # A branch point lies on the parent anyway: look at the first points away from it.
-        mirrored = self._walk.mirror(start.opening, start) is not None
-        facing = (
-            state if sign > 0 else turned(state) for sign in self._walk.signs(start)[: 1 if mirrored else 2]
-        )
-        beside = [sample for place in facing if (sample := self._beside(problem, place)) is not None]
+        mirrored = self._walk.mirror(opening, start) is not None
+        signs = self._walk.signs(start)[: 1 if mirrored else 2]
+        beside = [found for sign in signs if (found := self._walk.beside(start, opening, sign)) is not None]
         names = [known_branch(problem, sample, self.branches) for sample in beside]
         return names[0] if names and None not in names else None
 
@@ -142,18 +137,6 @@ class Diagram:
             return None
         leaving = [b for b in self.branches if b.info.parent == (name, -s) and len(b) > 1]
         return Known(leaving[0].name, tuple(mirror)) if len(leaving) == 1 else None
-
-    def _beside(self, problem: Problem, state: ContinuationState) -> Sample | None:
-        """The first point away from a start, or half way to where the branch ends before it."""
-        settings, observer = self._plan.settings, observer_of(problem)
-        for _ in range(2):
-            for event in walk(problem, state, settings, observer, 1.0, settings.max_points):
-                if isinstance(event, Point) and event.special is None:
-                    return event.state.sample
-            if event.special is None or event.special.s == state.s:
-                return None
-            state = replace(state, step=0.5 * (event.special.s - state.s))
-        return None
 
     def _branch(self, start: Start, name: str) -> Iterator[Event]:
         work = BranchInProgress(self._walk.info(start, name))

@@ -62,6 +62,17 @@ def test_what_is_not_finite_is_said_with_its_place():
     assert "the made-up equations" in found.sentence
 
 
+def test_where_it_is_not_finite_is_looked_for_only_when_that_is_read(monkeypatch):
+    """The search evaluates a plugin in Python; a walk takes a shorter step, and asks nothing."""
+    asked = []
+    problem = MadeUp(lambda z: [math.nan if z[0] > 2.0 else z[0] - z[1]], lambda z: [[1.0, -1.0]])
+    monkeypatch.setattr(MadeUp, "explain", lambda self, z: asked.append(z) or "somewhere")
+    found = along(problem, [3.0, 0.0], [0.0, 1.0])
+    assert (found.reason, asked) == ("not_finite", [])
+    assert found.sentence == "The equations have no finite value: somewhere."
+    assert len(asked) == 1
+
+
 def test_a_plugin_that_raises_is_said_in_its_words():
     def f(z):
         raise PluginError("The tank is empty.", "Fill it.")

@@ -10,7 +10,7 @@ import pytest
 from small_systems import circle, small_system
 
 import contwalk as cw
-from contwalk.continuation import diagram
+from contwalk.continuation import diagram, pseudo_arclength
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.opening import Opening
@@ -261,7 +261,7 @@ class TestBeginningsAtHopfPoints:
             found = Diagram([], Plan(SETTINGS))
             found.branches = [straight]
             monkeypatch.setattr(diagram, "_ends_at_point", lambda branch, at: ends_there)
-            monkeypatch.setattr(found, "_beside", lambda *given: walks.append(given) or here.sample)
+            monkeypatch.setattr(found._walk, "beside", lambda *given: walks.append(given) or here.sample)
             return found._recognised(start), len(walks)
 
         return told
@@ -271,3 +271,16 @@ class TestBeginningsAtHopfPoints:
 
     def test_where_none_does_both_ways_are_looked_at(self, recognised, branches):
         assert recognised(False) == (Known(branches[0].name), 2)
+
+
+def test_steps_that_recognition_has_looked_at_are_not_taken_again(monkeypatch):
+    """A line with a pitchfork, and the branch that leaves it both ways."""
+    taken, take_step, system = [], pseudo_arclength.take_step, problem_of().system
+    monkeypatch.setattr(pseudo_arclength, "take_step", lambda *given: taken.append(1) or take_step(*given))
+    opening = opened(system, system.defaults(), "mu", np.array([0.0, 0.0]), SETTINGS)
+    found = Diagram([Start(system, "mu", system.defaults(), opening, "line")], Plan(SETTINGS))
+    list(found.events())
+    straight, outer = found.branches
+    assert [point.label for point in straight.special_points].count("BP") == 1
+    assert np.ptp(outer["x"]) > 1.9
+    assert len(taken) == sum(int(np.sum(~branch.points["special"])) - 1 for branch in found.branches)

@@ -1,9 +1,24 @@
 """What a run does before its first point, and need not."""
 
 import platform
+import subprocess
+import sys
 
 from contwalk.workflow.machine import name_of_machine
 
 
 def test_the_machine_is_named_as_the_standard_library_names_it():
     assert name_of_machine() == platform.platform()
+
+
+def test_numpy_is_loaded_without_what_no_orbit_needs():
+    """Masked arrays and families of polynomials: a hundredth of a short study."""
+    code = (
+        "import sys, numpy as np\n"
+        "from contwalk.problems.orbit import periodic_orbit\n"
+        "from contwalk.problems.orbit.repeating import repeating\n"
+        "repeating([np.linspace(0.0, 1.0, 5)], 2)\n"
+        "print({'numpy.ma', 'numpy.polynomial'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"

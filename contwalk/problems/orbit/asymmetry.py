@@ -36,7 +36,12 @@ def asymmetries(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
 
     def later(part: float) -> np.ndarray:
         if part not in known:
-            known[part] = carried_to(problem, z, still, part)[0]
+            step = np.flatnonzero(problem.mesh.times == part)
+            known[part] = (
+                problem.solution(z).nodes[step[-1]]  # as of steps that are alike in halves
+                if len(step)
+                else carried_to(problem, z, still, part)[0]
+            )
         return known[part]
 
     def apart(y: np.ndarray) -> float:

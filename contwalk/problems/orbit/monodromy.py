@@ -23,6 +23,8 @@ NO_RATE = 1e-7
 POINT = 1e-9
 # The flow's own multiplier, one, missed by more than this tells nothing of the others.
 UNTOLD = 0.3
+# Solutions of which the flow's direction is kept: several tests ask for it.
+MOST_KEPT = 4
 
 
 def factors(orbit: OrbitData, jacobian: np.ndarray) -> list[np.ndarray]:
@@ -128,13 +130,19 @@ def flow_direction(orbit: OrbitData, z: np.ndarray, i: int, j: int = 0) -> np.nd
     """What a later start of leg i, or of its segment j, on the same orbit differs by: velocity, and time
     if forced.
 
-    z has the shape (N + 1,), the direction (n_i,), or (n_i + 1,) with the time.
+    z has the shape (N + 1,), the direction (n_i,), or (n_i + 1,) with the time. It is kept: do not change it.
     """
-    x, scalars = orbit.layout.inputs_of(orbit.layout.segments_of(i)[j], z)
-    duration = scalars[0] if scalars[0] != 0.0 else 1.0
-    given = np.concatenate([[duration], scalars[1:], orbit.line.constants])
-    own = velocity(orbit.passages[i], x, 0.0, given) / duration
-    return np.append(own, 1.0) if orbit.timed(i) else own
+
+    def made() -> np.ndarray:
+        x, scalars = orbit.layout.inputs_of(orbit.layout.segments_of(i)[j], z)
+        duration = scalars[0] if scalars[0] != 0.0 else 1.0
+        given = np.concatenate([[duration], scalars[1:], orbit.line.constants])
+        own = velocity(orbit.passages[i], x, 0.0, given) / duration
+        own = np.append(own, 1.0) if orbit.timed(i) else own
+        own.flags.writeable = False
+        return own
+
+    return orbit.known.at(f"flow {i} {j}", z, MOST_KEPT, made)
 
 
 def pinned_directions(orbit: OrbitData, z: np.ndarray, i: int, j: int = 0) -> list[np.ndarray]:
