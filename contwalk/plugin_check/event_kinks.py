@@ -18,7 +18,7 @@ from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.fields.trace import Tracer, trace
 from contwalk.plugin_check.events import Happening, traced_reset
-from contwalk.plugin_check.findings import Report, split_place
+from contwalk.plugin_check.findings import Report, split_switch
 from contwalk.plugin_check.samples import Samples, as_field
 from contwalk.plugin_check.states_at_event import state_on
 from contwalk.plugin_check.traced import Traced, number_form, traced
@@ -131,12 +131,12 @@ def _lies_on_a_jump(report: Report, happening: Happening, end: EndMap) -> bool:
 
 
 def _tell(report: Report, level: str, kink: Kink, sentence: str) -> None:
-    place, _ = split_place(f"{kink.where.partition(' (')[0]}: ")
+    place, _ = split_switch(kink.where)
     report.add(level, kink.of, sentence, place)
 
 
 def _what(kink: Kink) -> str:
-    return kink.where.partition(" (")[2].rstrip(")")
+    return split_switch(kink.where)[1]
 
 
 def _places(happening: Happening) -> np.ndarray:

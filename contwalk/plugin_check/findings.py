@@ -10,7 +10,7 @@ from typing import Any
 
 from contwalk.python_functions import place_of
 
-__all__ = ["Finding", "Place", "Report", "place_of", "place_of_error", "split_place"]
+__all__ = ["Finding", "Place", "Report", "place_of", "place_of_error", "split_place", "split_switch"]
 
 LEVELS = ("ok", "warning", "error")
 Place = tuple[str | None, int | None]
@@ -86,3 +86,10 @@ def split_place(text: str, otherwise: Place = NOWHERE) -> tuple[Place, str]:
     if match is None:
         return otherwise, text.removeprefix("the plugin: ")
     return (match["file"], int(match["line"])), match["rest"]
+
+
+def split_switch(where: str) -> tuple[Place, str]:
+    """`file, line n (what)`, where a choice switches, as its place and `what`."""
+    line, _, what = where.partition(" (")
+    place, _ = split_place(f"{line}: ")
+    return place, what.removesuffix(")")

@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.fields.blame import first_switched
 from contwalk.plugin_check.events import Happening
-from contwalk.plugin_check.findings import Report, split_place
+from contwalk.plugin_check.findings import Report, split_switch
 from contwalk.plugin_check.samples import Samples, as_field
 
 # A change by less than this part of itself is no jump.
@@ -43,11 +43,10 @@ def _may_happen(happening: Happening, before: float, after: float) -> bool:
 
 
 def _tell(report: Report, name: str, where: str) -> None:
-    line, _, what = where.partition(" (")
-    place, _ = split_place(f"{line}: ")
+    place, what = split_switch(where)
     report.warning(
         f"guard of transition '{name}'",
-        f"It jumps at instants of time ({what.rstrip(')')}), in the direction of its event: where it jumps "
+        f"It jumps at instants of time ({what}), in the direction of its event: where it jumps "
         "through zero the event happens, and an orbit with that event is refused. Declare what jumps as a "
         "transition of its own, whose guard is of time alone, or a ramp as a state that a clock sets back.",
         place,

@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching, choices_of
-from contwalk.plugin_check.findings import Report, split_place
+from contwalk.plugin_check.findings import Report, split_switch
 from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.traced import Traced
 from contwalk.problems.kink import CLOCK, REMEDY, FieldKink
@@ -43,13 +43,12 @@ def check_kinks(report: Report, name: str, field: Traced, system: System, sample
     for ends in pairwise(places):
         found |= dict.fromkeys(between(switching, evaluate, ends, sizes, where))
     for kink in found:
-        line, _, what = kink.where.partition(" (")
-        place, _ = split_place(f"{line}: ")
+        place, what = split_switch(kink.where)
         # Unknown durations of legs move what does not depend on a state, and every orbit passes an instant.
         at_instants = kink.order == 0 and not kink.moves
         level = "warning" if kink.order < 2 and (at_instants or not system.acting) else "ok"
         told = replace(kink, moves=True) if system.acting else kink
-        report.add(level, f"field of mode '{name}'", _sentence(told, what.rstrip(")")), place)
+        report.add(level, f"field of mode '{name}'", _sentence(told, what), place)
 
 
 def _sentence(kink: FieldKink, what: str) -> str:

@@ -16,7 +16,7 @@ from contwalk.fields.blame import first_switched
 from contwalk.fields.rebind import rebound
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.fields.trace import Program, Tracer, trace
-from contwalk.plugin_check.findings import Report, split_place
+from contwalk.plugin_check.findings import Report, split_switch
 from contwalk.plugin_check.samples import Samples, as_field
 from contwalk.plugin_check.traced import Traced
 from contwalk.problems.kink import Met, ParameterKink
@@ -115,9 +115,8 @@ def _tell(report: Report, what: str, met: list[Met[ParameterKink]]) -> None:
     if not met:
         return
     first = min(met, key=lambda each: each.kink.order).kink
-    line, _, words = first.where.partition(" (")
-    place, _ = split_place(f"{line}: ")
-    told = replace(first, where=words.rstrip(")"))
+    place, words = split_switch(first.where)
+    told = replace(first, where=words)
     sentence = told.sentence("orbits") if told.order else told.refusal("orbits").sentence
     others = f" So it is at {len(met) - 1} more values." if len(met) > 1 else ""
     report.warning(what, sentence + others, place)
