@@ -19,11 +19,11 @@ from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.catalogue import POINT_TYPES
 from contwalk.problems.equilibrium.points.hopf import hopf
+from contwalk.problems.equilibrium.sampling import sampled
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample
-from contwalk.problems.sample import Rates
 from contwalk.system import Neutral, System
 
 
@@ -89,21 +89,17 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
         orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
         curvature = vertical.bending(self, z, unit, weights, linearization, error)
         found = self.spectrum(z, unit, linearization.jacobian, curvature)
-        return Sample(
-            z=z,
-            tangent=unit,
-            weights=weights,
+        return sampled(
+            z,
+            unit,
+            weights,
+            linearization,
+            found,
+            before,
             orientation=orientation,
-            eigenvalues=found.values,
-            errors=found.errors,
-            rates=Rates.known(found.rates),
-            measures=found.measures,
-            unstable=found.unstable(before),
+            error=error,
             still=found.still,
             observables=self.observables(z, found),
-            magnitudes=linearization.magnitudes,
-            excess=linearization.excess_in(weights),
-            error=error,
             forbidden=passed_over(self.system, np.zeros(1), z[None, : self.states], self.values_of(z)),
         )
 

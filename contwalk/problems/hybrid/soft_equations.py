@@ -148,15 +148,7 @@ class SoftEquations(HybridOrbit):
         tolerance: float | None = None,
         section: Section | None = None,
     ) -> Self:
-        """The problem with the soft transitions, and on steps, for the orbit of z; `section` as of any orbit.
-
-        z and weights have the shape (N + 1,).
-
-        Raises
-        ------
-        NotFinite
-            If the motion from z ends before the closure does.
-        """
+        """As of any orbit, with the soft transitions of that of z. z and weights have the shape (N + 1,)."""
         word, states, lasting = softness.passed(self, z, self.magnitudes_of(weights))
         rough, begins = self.like(HybridOrbit, word), float(self.starting_times(z)[0])
         asked = tolerance or self.discretization.walking

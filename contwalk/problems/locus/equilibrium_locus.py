@@ -14,6 +14,7 @@ from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.capabilities import OwnMeasures, OwnPlace
+from contwalk.problems.equilibrium.sampling import sampled
 from contwalk.problems.linearization import Linearization
 from contwalk.problems.locus.bordered import zero_borders
 from contwalk.problems.locus.conditions import Augmented, Zero
@@ -23,7 +24,7 @@ from contwalk.problems.locus.plane import Plane
 from contwalk.problems.locus.points.catalogue import POINT_TYPES
 from contwalk.problems.locus.points.marked_value import marked_on
 from contwalk.problems.problem import Located, Mirror, PointType
-from contwalk.problems.sample import Rates, Sample
+from contwalk.problems.sample import Sample
 from contwalk.quantities import FREQUENCY_SQUARED
 from contwalk.system import Neutral, System
 
@@ -173,21 +174,17 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
             orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
         found, critical = self.spectrum(z, unit)
         kappa = [self.kappa(z)] * self.curve.pair
-        return Sample(
-            z=z,
-            tangent=unit,
-            weights=weights,
+        return sampled(
+            z,
+            unit,
+            weights,
+            linearization,
+            found,
+            before,
             orientation=orientation,
-            eigenvalues=found.values,
-            errors=found.errors,
-            rates=Rates.known(found.rates),
-            measures=found.measures,
-            unstable=found.unstable(before),
+            error=error,
             resting=critical,
             observables=np.array([*self.plane.measured(self.in_plane(z)), *kappa]),
-            magnitudes=linearization.magnitudes,
-            excess=linearization.excess_in(weights),
-            error=error,
         )
 
     def spectrum(self, z: np.ndarray, tangent: np.ndarray) -> tuple[Spectrum, np.ndarray]:

@@ -1,4 +1,4 @@
-"""What all special points of equilibria share: the record; what it says of the point is left to each kind."""
+"""What special points of equilibria, and of their curves, share: the record; each kind says what it is of."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Located, PointType, Sample
 
 # A coefficient has a sign if it is this many times its estimated error.
@@ -20,7 +19,7 @@ Form = tuple[str | None, str | None, dict[str, Any], str | None]
 class EquilibriumPoint(PointType):
     """A kind of special point of equilibria."""
 
-    def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """Kind, criticality, coefficients and note of a located point.
 
         Raises
@@ -30,9 +29,11 @@ class EquilibriumPoint(PointType):
         """
         return None, None, {}, None
 
-    def describe(
-        self, problem: EquilibriumEquations, located: Located, sample: Sample, s: float
-    ) -> SpecialPoint:
+    def errors(self, problem: Any, located: Located, sample: Sample) -> dict[str, float]:
+        """Estimated errors by free parameter, where there are several."""
+        return {}
+
+    def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
         z = located.z
         try:
@@ -48,6 +49,7 @@ class EquilibriumPoint(PointType):
             state=dict(zip(problem.system.state_names, z[: problem.states].tolist(), strict=True)),
             spectrum=tuple(complex(v) for v in sample.spectrum),
             error=located.error,
+            errors=self.errors(problem, located, sample),
             criticality=criticality,
             coefficients=coefficients,
             note=note,
@@ -55,7 +57,7 @@ class EquilibriumPoint(PointType):
             tangent=tuple(sample.tangent.tolist()),
         )
 
-    def _told(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
+    def _told(self, problem: Any, located: Located, sample: Sample) -> Form:
         kind, criticality, coefficients, note = self.form(problem, located, sample)
         if located.vectors.get("turns"):
             turns = "the parameter turns here as well: a fold that is not told apart"

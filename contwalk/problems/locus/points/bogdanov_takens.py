@@ -7,11 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, DoubleZero
 from contwalk.problems.locus.curves import FOLDS, HOPF_POINTS
 from contwalk.problems.locus.normal_forms import bogdanov_takens_coefficients
-from contwalk.problems.locus.points.point import Form, LocusPoint, born, located_by
+from contwalk.problems.locus.points.point import LocusPoint, born, located_by
 from contwalk.problems.locus.points.second_zero import second_zero, two_vectors
 from contwalk.problems.problem import Located, Sample, Seed, Test
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import Critical
 from contwalk.problems.locus.normal_forms import cusp_coefficient
 from contwalk.problems.locus.plane import FloatPlace, Place
-from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
+from contwalk.problems.locus.points.point import LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Test
 
 

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, Pair
 from contwalk.problems.locus.curves import HOPF_POINTS
 from contwalk.problems.locus.normal_forms import double_hopf_coefficients
-from contwalk.problems.locus.points.point import Form, LocusPoint, born, located_by
+from contwalk.problems.locus.points.point import LocusPoint, born, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 

@@ -7,10 +7,11 @@ from importlib import import_module
 from typing import Any
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import Critical
 from contwalk.problems.locus.normal_forms import bautin_coefficients, lyapunov_numerator
 from contwalk.problems.locus.plane import FloatPlace
-from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
+from contwalk.problems.locus.points.point import LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.conditions import Augmented, Pair, Zero
 from contwalk.problems.locus.normal_forms import hopf_coefficients
-from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
+from contwalk.problems.locus.points.point import LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Test
 
 

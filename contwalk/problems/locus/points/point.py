@@ -11,10 +11,11 @@ from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.refine import Solution
 from contwalk.problems.equilibrium.defining_systems import solve
+from contwalk.problems.equilibrium.points.point import EquilibriumPoint
 from contwalk.problems.locus.conditions import Augmented, Condition, Function, defining_system
 from contwalk.problems.locus.curves import Curve
 from contwalk.problems.locus.plane import Plane
-from contwalk.problems.problem import Located, PointType, Sample, Seed
+from contwalk.problems.problem import Located, Sample, Seed
 
 # A coefficient has a sign if it is this many times its estimated error.
 SURE = 10.0
@@ -26,53 +27,18 @@ NOTHING = 16.0
 # How far from a special point the other curve through it is begun, in typical magnitudes.
 BORN_BESIDE = 1e-2
 
-# Kind, criticality, coefficients and note of a special point.
-Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
-
-class LocusPoint(PointType):
+class LocusPoint(EquilibriumPoint):
     """A kind of special point of curves of equilibria."""
 
-    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """Kind, criticality, coefficients and note of a located point.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            Where its critical directions are not determined.
-        """
-        return None, None, {}, None
-
-    def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of a located point, with its normal form."""
-        z = located.z
-        try:
-            kind, criticality, coefficients, note = self.form(problem, located, sample)
-        except np.linalg.LinAlgError:
-            kind, criticality, coefficients = None, None, {}
-            note = "degenerate: the critical directions are not determined, so there is no normal form"
-        return SpecialPoint(
-            label=self.label,
-            s=s,
-            kind=kind,
-            parameters=problem.values_of(z),
-            state=dict(zip(problem.system.state_names, z[: problem.states].tolist(), strict=True)),
-            spectrum=tuple(complex(v) for v in sample.spectrum),
-            error=located.error,
-            errors=dict(located.vectors.get("errors") or _errors(problem, located, sample)),
-            criticality=criticality,
-            coefficients=coefficients,
-            note=note,
-            unknowns=tuple(z.tolist()),
-            tangent=tuple(sample.tangent.tolist()),
-        )
-
-
-def _errors(problem: Any, located: Located, sample: Sample) -> dict[str, float]:
-    """Estimated errors of both parameters of a point that is told where the curve was computed."""
-    known = np.nan_to_num(sample.error) * sample.weights
-    first, second = float(located.error), float(max(known[-2], np.spacing(abs(located.z[-2]))))
-    return {problem.free: first, str(problem.plane.second): second}
+    def errors(self, problem: Any, located: Located, sample: Sample) -> dict[str, float]:
+        """Estimated errors of both parameters; where nothing else tells them, those of the curve there."""
+        told = located.vectors.get("errors")
+        if told:
+            return dict(told)
+        known = np.nan_to_num(sample.error) * sample.weights
+        first, second = float(located.error), float(max(known[-2], np.spacing(abs(located.z[-2]))))
+        return {problem.free: first, str(problem.plane.second): second}
 
 
 def born(problem: Any, point: SpecialPoint, curve: Curve, own: float = 0.0) -> list[Seed]:

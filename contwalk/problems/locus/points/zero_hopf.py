@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.conditions import Augmented, Pair, Zero
 from contwalk.problems.locus.curves import FOLDS, HOPF_POINTS
 from contwalk.problems.locus.normal_forms import zero_hopf_coefficients
-from contwalk.problems.locus.points.point import Form, LocusPoint, born, located_by
+from contwalk.problems.locus.points.point import LocusPoint, born, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 
