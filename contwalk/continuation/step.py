@@ -33,6 +33,8 @@ TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
 # How far from a branch point that a walk begins at its side is looked at, in parts of the first step, where
 # equations are exact.
 BESIDE = 1e-4
+# Special points are at one value of the parameter, in the metric, if they differ by less.
+FOUND_AGAIN = 1e-6
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
 
@@ -50,7 +52,7 @@ class Step:
         """Whether the step passed a walk's beginning, the same way round."""
         segment, tangent = self.segment, origin.sample.tangent
         if segment.problem.meshed is not None:
-            return _comes_back(segment, origin.sample)
+            return _comes_back(segment, origin.sample) or self._finds_again(origin.sample)
         z = segment.problem.equivalence.nearest_turn(origin.sample.z, segment.a.z)
         theta = segment.position(z)
         same_way = tangent / origin.sample.weights**2 @ self.there.tangent > 0.0
@@ -62,6 +64,20 @@ class Step:
             return segment.distance(z, theta) < 1e-5
         except LostBranch:
             return False
+
+
+    def _finds_again(self, origin: Sample) -> bool:
+        """Whether a special point of the step is the orbit that the walk began with.
+
+        A branch that leaves a pitchfork has the parameter's extremum there: when it comes back, the parameter
+        touches the value that it began with and does not cross it.
+        """
+        for found in self.found:
+            problem, there = found.located.problem or self.segment.problem, found.sample
+            if abs(there.parameter - origin.parameter) <= FOUND_AGAIN * origin.weights[-1]:
+                if problem.equivalence.same(origin, there):
+                    return True
+        return False
 
 
 def _comes_back(segment: Segment, origin: Sample) -> bool:
