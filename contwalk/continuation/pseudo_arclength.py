@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
+from contwalk.continuation.closing import closes
 from contwalk.continuation.excursion import reentered
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
@@ -90,7 +91,7 @@ def walk(
                 taken, state = step, _arrived(problem, step, state, sign, settings, before)
             problem, state = yield from _taken_up(problem, state)
             number += 1
-            if done + number > 3 and taken is not None and taken.closes(origin):
+            if done + number > 3 and taken is not None and closes(taken.segment, taken.found, origin.sample):
                 outcome = outcomes.closed()
                 break
     except outcomes.BREAKDOWNS as error:

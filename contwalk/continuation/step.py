@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.continuation import control, domain_edge, kinks_passed, limits, outcomes
 from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
-from contwalk.continuation.locating import Disagreement, Found, TooLong, passes_through
+from contwalk.continuation.locating import Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.newton import Correction, Explanation, correct, text_of
 from contwalk.continuation.segment import LostBranch, Segment
@@ -33,8 +33,6 @@ TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
 # How far from a branch point that a walk begins at its side is looked at, in parts of the first step, where
 # equations are exact.
 BESIDE = 1e-4
-# Special points are at one value of the parameter, in the metric, if they differ by less.
-FOUND_AGAIN = 1e-6
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
 
@@ -47,57 +45,6 @@ class Step:
     there: Sample
     found: list[Found]
     next_length: float
-
-    def closes(self, origin: ContinuationState) -> bool:
-        """Whether the step passed a walk's beginning, the same way round."""
-        segment, tangent = self.segment, origin.sample.tangent
-        if segment.problem.meshed is not None:
-            return _comes_back(segment, origin.sample) or self._finds_again(origin.sample)
-        z = segment.problem.equivalence.nearest_turn(origin.sample.z, segment.a.z)
-        theta = segment.position(z)
-        same_way = tangent / origin.sample.weights**2 @ self.there.tangent > 0.0
-        if not (0.0 < theta <= 1.0 and same_way):
-            return False
-        try:
-            if origin.sample.orientation == 0.0:
-                return passes_through(segment, z, tangent, theta, 1e-2)
-            return segment.distance(z, theta) < 1e-5
-        except LostBranch:
-            return False
-
-
-    def _finds_again(self, origin: Sample) -> bool:
-        """Whether a special point of the step is the orbit that the walk began with.
-
-        A branch that leaves a pitchfork has the parameter's extremum there: when it comes back, the parameter
-        touches the value that it began with and does not cross it.
-        """
-        for found in self.found:
-            problem, there = found.located.problem or self.segment.problem, found.sample
-            if abs(there.parameter - origin.parameter) <= FOUND_AGAIN * origin.weights[-1]:
-                if problem.equivalence.same(origin, there):
-                    return True
-        return False
-
-
-def _comes_back(segment: Segment, origin: Sample) -> bool:
-    """Whether a segment of orbits, which begin anywhere on themselves, passes a given one."""
-    a, b, value = segment.a.parameter, segment.b.parameter, origin.parameter
-    if (a - value) * (b - value) > 0.0 or a == b or (b - a) * origin.tangent[-1] < 0.0:
-        return False
-    try:
-        low, high, theta = 0.0, 1.0, (value - a) / (b - a)
-        for _ in range(40):
-            there = segment.at(theta)
-            if abs(there.parameter - value) <= 1e-11 * segment.weights[-1]:
-                break
-            low, high = (theta, high) if (there.parameter - value) * (b - a) < 0.0 else (low, theta)
-            slope = there.tangent[-1] / float(segment.normal @ there.tangent)
-            theta += (value - there.parameter) / slope if slope else 0.0
-            theta = theta if low < theta < high else 0.5 * (low + high)
-        return segment.problem.equivalence.same(origin, there)
-    except LostBranch:
-        return False
 
 
 @dataclass(frozen=True)

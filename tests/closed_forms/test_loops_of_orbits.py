@@ -55,11 +55,13 @@ def test_a_loop_through_two_pitchforks_is_closed(forced: bool, declared: bool) -
     parent = cw.continue_branch(problem, start, (0.0, 1.0), **({} if forced else {"period": period}))
     first, last = labelled(parent, "BP")
     assert_met(first, "lam", BEGINS)
+    assert_met(last, "lam", ENDS)
     loop = cw.switch_branch(problem, parent, first.name, (0.0, 1.0))
     assert loop.outcome.reason == "closed", loop.outcome.message
     y = loop["y"]
     np.testing.assert_allclose(y**2 + (loop["lam"] - 0.5) ** 2, 0.04, atol=1e-9)
-    assert y.min() < -0.19 and y.max() > 0.19
+    assert y.min() < -0.19
+    assert y.max() > 0.19
     # Once round: it meets the other pitchfork, and its own again.
     assert [round(p.parameters["lam"], 6) for p in labelled(loop, "BP")] == [ENDS, BEGINS]
     assert labelled(loop, "LP", "PD", "NS") == []

@@ -1,0 +1,63 @@
+"""Whether a walk has come back to where it began."""
+
+from __future__ import annotations
+
+from contwalk.continuation.locating import Found, passes_through
+from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.problems.problem import Sample
+
+# How near a solution is to the beginning, in parts of a step; the same beside a branch point.
+NEAR, BESIDE = 1e-5, 1e-2
+# Special points are at one value of the parameter, in the metric, if they differ by less.
+FOUND_AGAIN = 1e-6
+
+
+def closes(segment: Segment, found: list[Found], origin: Sample) -> bool:
+    """Whether an accepted step, with what is special on it, passes a walk's beginning, the same way round."""
+    if segment.problem.meshed is not None:
+        return _comes_back(segment, origin) or _finds_again(segment, found, origin)
+    z = segment.problem.equivalence.nearest_turn(origin.z, segment.a.z)
+    theta = segment.position(z)
+    same_way = origin.tangent / origin.weights**2 @ segment.b.tangent > 0.0
+    if not (0.0 < theta <= 1.0 and same_way):
+        return False
+    try:
+        if origin.orientation == 0.0:
+            return passes_through(segment, z, origin.tangent, theta, BESIDE)
+        return segment.distance(z, theta) < NEAR
+    except LostBranch:
+        return False
+
+
+def _comes_back(segment: Segment, origin: Sample) -> bool:
+    """Whether a segment of orbits, which begin anywhere on themselves, passes a given one."""
+    a, b, value = segment.a.parameter, segment.b.parameter, origin.parameter
+    if (a - value) * (b - value) > 0.0 or a == b or (b - a) * origin.tangent[-1] < 0.0:
+        return False
+    try:
+        low, high, theta = 0.0, 1.0, (value - a) / (b - a)
+        for _ in range(40):
+            there = segment.at(theta)
+            if abs(there.parameter - value) <= 1e-11 * segment.weights[-1]:
+                break
+            low, high = (theta, high) if (there.parameter - value) * (b - a) < 0.0 else (low, theta)
+            slope = there.tangent[-1] / float(segment.normal @ there.tangent)
+            theta += (value - there.parameter) / slope if slope else 0.0
+            theta = theta if low < theta < high else 0.5 * (low + high)
+        return segment.problem.equivalence.same(origin, there)
+    except LostBranch:
+        return False
+
+
+def _finds_again(segment: Segment, found: list[Found], origin: Sample) -> bool:
+    """Whether a special point on the way is the orbit that the walk began with.
+
+    A branch that leaves a pitchfork has the parameter's extremum there: when it comes back, the parameter
+    touches the value that it began with and does not cross it.
+    """
+    near = FOUND_AGAIN * origin.weights[-1]
+    return any(
+        (each.located.problem or segment.problem).equivalence.same(origin, each.sample)
+        for each in found
+        if abs(each.sample.parameter - origin.parameter) <= near
+    )
