@@ -27,6 +27,8 @@ STILL, TINY = 1e-9, 1e-300
 # How far beyond a place at which a rate is exactly zero its sign is looked at: in parts of a segment, or in
 # the metric.
 BEYOND = 1e-3
+# What a value is met to, in parts of what is added up in it, and how much an estimate of that may fall short.
+MET, ESTIMATED = 4e-16, 4.0
 # What is left of the error of the steps on finer ones: a hundredth of the tolerance leaves less.
 FINER = 0.05
 
@@ -254,7 +256,7 @@ def marks_at(
     for mark in marks:
         value = observer.value(mark.name, sample)
         for level in mark.values:
-            met = abs(value - level) <= 4e-16 * abs(level)
+            met = abs(value - level) <= MET * abs(level)
             # A curve of what is marked has it everywhere.
             if met and not (problem.line.second is not None and _stands_still(problem, mark.name, sample)):
                 found.append((observer.kind(mark.name), (mark.name, level)))
@@ -267,15 +269,44 @@ def _extreme_at(problem: Problem, sample: Sample, name: str) -> bool:
     """Whether an observable is largest or smallest exactly at a solution; beside it segments tell."""
     if problem.observed.rate(name, sample) != 0.0:
         return False
+    before, after = _rates_beside(problem, sample, name)
+    return before * after < 0.0
+
+
+def _rates_beside(problem: Problem, sample: Sample, name: str) -> tuple[float, float]:
+    """Rates of an observable before and after a solution; NaN where no solution is found."""
     normal, sides = sample.tangent / sample.weights**2, []
     for step in (-BEYOND, BEYOND):
         beside = correct(problem, sample.z + step * sample.tangent, normal, sample.weights)
         if not beside.ok or beside.linearization is None:
-            return False
+            return float("nan"), float("nan")
         there, tangent = beside.problem, beside.linearization.tangent(normal, sample.weights)
         seen = there.examine(beside.z, tangent, sample.weights, beside.linearization, sample.unstable)
         sides.append(there.observed.rate(name, seen))
-    return sides[0] * sides[1] < 0.0
+    return sides[0], sides[1]
+
+
+def place_error(problem: Problem, sample: Sample, mark: tuple[str, float | None]) -> float:
+    """Estimated error of the parameter at a solution that has a marked value, or is an extremum.
+
+    Where an observable only touches its value, the parameter is known to the root of what the value is known
+    to.
+    """
+    name, level = mark
+    known = float(np.spacing(abs(sample.parameter)))
+    observer = observer_of(problem)
+    if level is None or observer.kind(name) == "parameter":
+        return known
+    rate = float(np.nan_to_num(abs(problem.observed.rate(name, sample))))
+    before, after = _rates_beside(problem, sample, name)
+    bend = float(np.nan_to_num(abs(after - before) / (2.0 * BEYOND)))
+    if rate == 0.0 and bend == 0.0:  # it stands still, or nothing is known of how it moves
+        return known
+    relative = MET + float(np.nan_to_num(sample.error, posinf=0.0))
+    noise = relative * (abs(level) + rate + bend)
+    # Where rate * d + bend * d^2 / 2 is the noise.
+    away = 2.0 * noise / (rate + float(np.sqrt(rate * rate + 2.0 * bend * noise)))
+    return known + ESTIMATED * away * abs(float(sample.tangent[-1]))
 
 
 def _stands_still(problem: Problem, name: str, sample: Sample) -> bool:

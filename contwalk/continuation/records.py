@@ -75,10 +75,10 @@ def end_record(
 
 
 def start_record(
-    problem: Problem, state: ContinuationState, kind: str, mark: tuple[str, float | None]
+    problem: Problem, state: ContinuationState, kind: str, mark: tuple[str, float | None], error: float
 ) -> SpecialPoint:
-    """The record of a mark, name and value, that the start of a branch has."""
-    located = Located(state.sample.z, float(np.spacing(abs(state.sample.parameter))))
+    """The record of a mark, name and value, that the start of a branch has; the parameter's `error`."""
+    located = Located(state.sample.z, error)
     record = kind_of_test(problem, Test.MARK).describe(problem, located, state.sample, state.s)
     count = state.sample.unstable + state.sample.held_unstable
     marked = {"name": mark[0], "value": mark[1]}

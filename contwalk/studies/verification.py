@@ -17,6 +17,7 @@ from contwalk import quantities
 from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation import outcomes
 from contwalk.continuation.newton import correct
+from contwalk.continuation.marks import observer_of
 from contwalk.continuation.reopening import reopened, stored_place
 from contwalk.errors import ContwalkError
 from contwalk.labels import END, LOCUS, MARK
@@ -46,6 +47,8 @@ from contwalk.system import System
 # How far the search begins beside the stored point, in the metric of the branch; nearer than this part of the
 # way to the next point of its kind, which it would find instead, down to where corrections are rounding.
 ASIDE, NEXT, NEAREST = 1e-4, 0.05, 1e-9
+# Between one half and one: which part of a straight line's way an observable that touches a value has gone.
+HALF = 0.75
 # The second computation aims at this part of the stored error, and where no integrator reaches that, at so
 # many times more.
 TIGHTER, RELAXED = 0.1, 30.0
@@ -246,7 +249,7 @@ def _found(
     """The special point near a sample."""
     if point.label == MARK:
         name, level = _mark(problem, branch, point, sample, marks)
-        if level is None:
+        if level is None or _touches(problem, sample, point, name, level):
             return _extremum(problem, sample, name)
         located = problem.observed.locate_mark(name, level, sample)
     else:
@@ -257,6 +260,18 @@ def _found(
             which = critical(kind, point, sample)
         located = kind.locate(problem, sample, which)
     return None if located is None else located.settled()
+
+
+def _touches(problem: Problem, sample: Sample, point: SpecialPoint, name: str, level: float) -> bool:
+    """Whether an observable only touches its value at a point: its equations there have a double root.
+
+    Its rate grows from zero then, and from the point to a sample beside it the observable moves by half of
+    what its rate at the sample would make of the way.
+    """
+    apart = float(sample.tangent / sample.weights**2 @ (sample.z - np.array(point.unknowns)))
+    moved = observer_of(problem).value(name, sample) - level
+    whole = problem.observed.rate(name, sample) * apart
+    return whole != 0.0 and moved / whole < HALF
 
 
 def _mark(

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 from made_up import LINE, MadeUp, at, line
 
-from contwalk.continuation.marks import Observer, _extremum_error, _parameter_at, marked, marks_at
+from contwalk.continuation.marks import (
+    Observer,
+    _extremum_error,
+    _parameter_at,
+    marked,
+    marks_at,
+    place_error,
+)
 from contwalk.continuation.settings import Mark
 from contwalk.problems.parameter_line import ParameterLine
 
@@ -124,6 +131,20 @@ def test_marks_that_a_start_has_itself():
     ]
     beside = problem.sample((0.0, 0.1 * (1.0 + 1e-14)), (0.0, 1.0))
     assert marks_at(problem, beside, (Mark("lam", (0.1,)),), observer) == []
+
+
+def test_the_error_of_a_mark_at_the_start_covers_where_the_value_is_the_same_to_rounding():
+    """cos(3 lam) is one wherever 9 lam^2 / 2 is less than half a unit of it: up to 5e-9."""
+    problem = straight(wave=lambda z: math.cos(3.0 * z[1]), height=lambda z: math.exp(z[1]))
+    touched = problem.sample((0.0, 0.0), (0.0, 1.0))
+    same = math.sqrt(np.finfo(float).eps / 9.0)
+    assert math.cos(3.0 * 0.7 * same) == 1.0
+    assert same < place_error(problem, touched, ("wave", 1.0)) < 50.0 * same
+    crossed = problem.sample((0.0, 0.1), (0.0, 1.0))
+    assert 1e-16 < place_error(problem, crossed, ("height", float(np.exp(0.1)))) < 1e-12
+    assert place_error(problem, crossed, ("lam", 0.1)) == np.spacing(0.1)
+    still = straight(same=lambda z: 2.0)
+    assert place_error(still, crossed, ("same", 2.0)) == np.spacing(0.1)
 
 
 @pytest.mark.parametrize("end", [0.0, 1.0])

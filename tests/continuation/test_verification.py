@@ -350,3 +350,22 @@ def test_an_extremum_of_an_observable_is_checked_as_what_it_is():
     lost = checked(system, branch, replace(points["extremum"], mark={}), marks={"hill": [0.96]})
     assert lost.verdict == LOST
     assert "does not tell what is marked" in lost.reason
+
+
+def test_a_value_that_is_only_touched_is_known_to_the_root_of_its_rounding():
+    """x = mu, and cos(x) is one at the start: the equations of that value have a double root there."""
+
+    def field(t, x, p, dx):
+        dx[0] = p.mu - x[0]
+
+    wave = Observable("wave", lambda t, x, p: np.cos(x[:, 0]).max())
+    system = small_system(field, "x", {"mu": 0.0}, observables=(wave,))
+    marks = {"wave": [1.0]}
+    branch = cw.continue_branch(
+        cw.Equilibrium(system, system.defaults(), "mu"), [0.0], (-0.2, 0.6), marks=marks
+    )
+    (point,) = labelled(branch, "UZ")
+    assert 1e-8 < point.error < 1e-6
+    assert checked(system, branch, point, marks=marks).verdict == AGREES
+    moved = tuple(value + 1e-3 for value in point.unknowns)
+    assert checked(system, branch, replace(point, unknowns=moved), marks=marks).verdict != AGREES
