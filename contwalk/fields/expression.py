@@ -6,6 +6,7 @@ from typing import Any
 
 from contwalk.errors import UnsupportedOperation
 from contwalk.fields.complex_numbers import REMEDY, applied, is_complex
+from contwalk.fields.domains import product
 from contwalk.fields.functions import Number
 from contwalk.fields.graph import Graph
 
@@ -58,7 +59,9 @@ class Expression(Number):
         if any(is_complex(a) for a in arguments):
             return applied(name, arguments)
         nodes = [self.lift(a) for a in arguments]
-        if name in ("add", "sub", "mul", "div"):
+        if name == "mul":
+            return self.wrap(product(self.graph, *nodes))
+        if name in ("add", "sub", "div"):
             return self.wrap(getattr(self.graph, name)(*nodes))
         if name == "pow":
             return self.wrap(self.graph.power(*nodes))

@@ -135,6 +135,10 @@ class Graph:
             return self.neg(self.mul(a, kb[1]))
         return self._intern(("mul", a, b) if a <= b else ("mul", b, a))
 
+    def kept(self, name: str, a: int, b: int) -> int:
+        """An operation as it stands: nothing is folded or dropped."""
+        return self._intern((name, a, b))
+
     def div(self, a: int, b: int) -> int:
         """a / b."""
         va, vb = self.value(a), self.value(b)

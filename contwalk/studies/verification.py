@@ -16,8 +16,8 @@ import numpy as np
 from contwalk import quantities
 from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.newton import correct
 from contwalk.continuation.marks import observer_of
+from contwalk.continuation.newton import correct
 from contwalk.continuation.reopening import reopened, stored_place
 from contwalk.errors import ContwalkError
 from contwalk.labels import END, LOCUS, MARK

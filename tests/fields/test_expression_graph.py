@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -39,6 +40,34 @@ def test_equal_operations_are_one_node():
 def test_what_is_trivial_is_not_computed(function, expected):
     program = program_of(function, 1)
     assert program.graph.nodes[program.tree.nodes[0]] == expected
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda x: 0.0 * math.log(1.5 - x[0]) + x[1],
+        lambda x: x[1] - math.sqrt(1.5 - x[0]) * 0.0,
+        lambda x: x[1] + 0.0 * (2.0 + math.asin(x[0] / 1.5) * x[1]),
+        lambda x: x[1] + 0.0 * (1.5 - x[0]) ** x[1],
+    ],
+)
+def test_zero_times_what_has_a_domain_is_a_number_inside_of_it_only(function):
+    kernel = kernel_of(function, 2)
+    assert kernel(np.array([1.2, 0.7]))[0] == 0.7
+    assert math.isnan(kernel(np.array([1.7, 0.7]))[0])
+
+
+def test_zero_times_what_is_a_number_everywhere_is_zero():
+    def function(x):
+        return 0.0 * (math.sin(x[0]) + math.exp(x[1]) / (1.0 + x[0] ** 2))
+
+    program = program_of(function, 2)
+    assert program.graph.value(program.tree.nodes[0]) == 0.0
+
+
+def test_zero_times_infinity_is_kept():
+    program = program_of(lambda x: 0.0 * (x[0] + math.inf), 1)
+    assert program.graph.value(program.tree.nodes[0]) is None
 
 
 def test_constants_are_folded_where_nothing_is_lost():
