@@ -55,6 +55,10 @@ class _Closed(_Comparable, Protocol):
         """Duration of the closure, seconds."""
         ...
 
+    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
+        ...
+
     def first_state(self, z: np.ndarray) -> np.ndarray:
         """The state at the start, shape (n,)."""
         ...
@@ -226,15 +230,49 @@ def _middle(problem: _Imaged, arc: Arc) -> tuple[np.ndarray, np.ndarray] | None:
 
 # Relative change of the period between neighbouring points within which a piece of branch is looked at.
 NEAR_PERIOD = 0.05
-# How exactly an orbit is brought to the parameter of another one, against its weight; in how many steps.
-AT_PARAMETER, PARAMETER_STEPS = 1e-10, 8
+# How exactly an orbit is brought to the level of another one, against its scale; in how many steps.
+AT_LEVEL, LEVEL_STEPS = 1e-10, 8
+
+
+@dataclass(frozen=True)
+class Level:
+    """By what the orbits of an arc are told apart, and compared with another one.
+
+    Parameters
+    ----------
+    place : int, optional
+        Where a free parameter stands among the unknowns; None for the period of orbits that nothing forces:
+        along a canard the parameter stands still to its last digits while the period goes on.
+    value : float
+        Of the other orbit.
+    ends : tuple of two floats
+        Of the arc's ends.
+    scale : float
+    """
+
+    place: int | None
+    value: float
+    ends: tuple[float, float]
+    scale: float
+
+    @property
+    def moved(self) -> float:
+        """How far the arc goes, in units of the scale."""
+        return abs(self.ends[1] - self.ends[0]) / self.scale
+
+    @property
+    def passed(self) -> bool:
+        """Whether the arc passes the other orbit's value."""
+        low, high = sorted(self.ends)
+        slack = 1e-9 * abs(self.value)
+        return low - slack <= self.value <= high + slack and low < high
 
 
 def known_orbit(problem: _Closed, sample: Sample, branches: list[Branch]) -> Known | None:
     """The branch that an orbit, or an image of it under a declared symmetry, lies on.
 
-    An orbit begins anywhere on itself: candidates are recomputed at the same parameter, and compared as
-    curves.
+    An orbit begins anywhere on itself: candidates are recomputed at the same parameter, or of the same
+    period, and compared as curves.
     """
     own = _kinds(problem, problem.branch_facts().get("signature"))
     for branch in branches:
@@ -272,21 +310,23 @@ def _kinds(problem: _Closed, signature: Sequence[str] | None) -> list[str]:
 
 def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 1) -> tuple[str, ...] | None:
     """The symmetries whose image of an orbit a branch passes, none of them first; None if it passes none."""
-    value, period = sample.z[-1], sample.period / closures
+    period = sample.period / closures
     for k, (ta, tb) in enumerate(pairwise(branch.points["period"])):
         a, b = branch.unknowns(k), branch.unknowns(k + 1)
         if len(a) != len(b):
             continue
-        low, high = sorted((a[-1], b[-1]))
-        slack = 1e-9 * abs(value)
-        if not low - slack <= value <= high + slack or a[-1] == b[-1]:
-            continue
         if not (1 - NEAR_PERIOD) * min(ta, tb) <= period <= (1 + NEAR_PERIOD) * max(ta, tb):
             continue
         weights = branch.points["weights"][k][: len(a)]
+        levels = [Level(n, sample.z[n], (a[n], b[n]), weights[n]) for n in range(-len(problem.line.names), 0)]
+        if problem.system.period is None and len(levels) == 1:
+            levels.append(Level(None, period, (ta, tb), period))
+        level = max(levels, key=lambda each: each.moved)
+        if not level.passed:
+            continue
         before, after = (branch.points["tangent"][i][: len(a)] for i in (k, k + 1))
         try:
-            found = _at_parameter(problem, branch, Arc((a, b), (before, after), weights), value)
+            found = _at_level(problem, branch, Arc((a, b), (before, after), weights), level)
         except (NotFinite, np.linalg.LinAlgError):
             continue
         if found is None:
@@ -310,32 +350,37 @@ def _free(problem: _Closed, z: np.ndarray) -> list[float]:
     return [values[name] for name in problem.line.names if name in values]
 
 
-def _at_parameter(
-    problem: _Closed, branch: Branch, arc: Arc, value: float
-) -> tuple[_Closed, np.ndarray] | None:
-    """The orbit on an arc of a stored branch at a value of the parameter, with its problem.
+def _at_level(problem: _Closed, branch: Branch, arc: Arc, level: Level) -> tuple[_Closed, np.ndarray] | None:
+    """The orbit on an arc of a stored branch at a level, with its problem.
 
     It is corrected across the arc: at the parameter itself the equations are singular at a fold, and nearly
     so where a doubled branch begins or ends, beside its parent.
     """
+    value, by = level.value, np.zeros(len(arc.chord))
+    if level.place is None:
+        begin = arc.ends[0]
+        by = at_stored(_stored_like(problem, branch, begin), begin, arc.weights).duration_gradient(begin)
+    else:
+        by[level.place] = 1.0
     low, high = 0.0, 1.0
-    rising = arc.chord[-1] > 0.0
+    rising = by @ arc.chord > 0.0
     for _ in range(60):  # of the interpolation
         theta = 0.5 * (low + high)
-        low, high = (theta, high) if (arc.guess(theta)[-1] < value) == rising else (low, theta)
+        low, high = (theta, high) if (by @ arc.guess(theta) < value) == rising else (low, theta)
     guess = arc.guess(theta)
     there = at_stored(_stored_like(problem, branch, guess), guess, arc.weights)
-    for _ in range(PARAMETER_STEPS):
+    for _ in range(LEVEL_STEPS):
         correction = correct(there, guess, arc.normal, arc.weights)
         if not correction.ok or correction.linearization is None:
             return None
-        left = value - correction.z[-1]
-        if abs(left) <= AT_PARAMETER * arc.weights[-1]:
+        left = value - float(by @ correction.z)
+        if abs(left) <= AT_LEVEL * level.scale:
             return equations_at(there, correction.z)[0], correction.z
         tangent = correction.linearization.tangent(arc.normal, arc.weights)
-        if tangent[-1] == 0.0 or abs(left / tangent[-1]) > 1.0:  # the tangent is one arc long
+        slope = float(by @ tangent)
+        if slope == 0.0 or abs(left / slope) > 1.0:  # the tangent is one arc long
             return None
-        guess = correction.z + left / tangent[-1] * tangent
+        guess = correction.z + left / slope * tangent
     return None
 
 
