@@ -212,12 +212,28 @@ def _with_folds(segment: Segment, low: float, high: float, branch_points: list[F
     for (t0, v0), (t1, v1) in pairwise(ends):
         if v0 * v1 < 0.0:
             fold = locate(segment, turning, t0, t1, lambda t: _share(segment.at(t)), 0, (v0, v1))
-            if fold is None:
+            if fold is not None:
+                found.append(fold)
+            elif not _only_noise(segment, t0, t1):
                 raise Disagreement(turning, "The parameter turns, but no fold is found.")
-            found.append(fold)
     if found or not ends[0][1] * ends[-1][1] < 0.0:
         return branch_points + found
     return [found for bp in branch_points for found in _with_its_fold(segment, low, high, bp)]
+
+
+def _only_noise(segment: Segment, low: float, high: float) -> bool:
+    """Whether the parameter's share between two positions tells nothing but errors of the equations.
+
+    Along an explosion of cycles the parameter stands still to these errors, while solutions move on: they
+    alone turn it. At a fold of its own an eigenvalue would pass its critical value.
+    """
+    ends = [segment.at(theta) for theta in (low, high)]
+    errors = np.nan_to_num([end.error for end in ends])
+    share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
+    if segment.problem.meshed is None or share > float(errors.sum()) / max(segment.length, 1e-300):
+        return False
+    certain = all(np.all(np.abs(end.measures) > end.errors) for end in ends)
+    return certain and ends[0].unstable == ends[1].unstable
 
 
 def _with_its_fold(segment: Segment, low: float, high: float, point: Found) -> list[Found]:
@@ -316,8 +332,9 @@ def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[
         known = max(width, float(np.spacing(abs(sample.parameter))))
         located = Located(sample.z, known, {"note": SECOND}, refined=False)
         return Found(theta, kind, located, sample, kind="unlocated")
+    doubt = min(_doubt(segment.at(low), segment.at(high), which), 1.0)
     for each in (*kind.flat, kind):
-        if (fold := accepted(segment, each, sample, which, low, high)) is not None:
+        if (fold := accepted(segment, each, sample, which, low - doubt, high + doubt)) is not None:
             return fold
     note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."
     return Found(

@@ -43,6 +43,41 @@ def test_a_fold_that_is_not_found_is_a_disagreement():
         assert raised.value.type.label == "LP"
 
 
+class OnSteps(MadeUp):
+    """The same as if it were solved on steps: solutions are off by what is told."""
+
+    location_tolerance, off = 1e-6, 1e-7
+
+    @property
+    def meshed(self):
+        return self
+
+    def examine(self, *given):
+        return replace(super().examine(*given), error=self.off)
+
+
+def hardly_turning(turn, value, off):
+    """lam = turn x^2, with an eigenvalue that is told: F_u alone would pass zero."""
+    problem = OnSteps(lambda z: [z[1] - turn * z[0] ** 2], lambda z: [[-2.0 * turn * z[0], 1.0]], value)
+    problem.off = off
+    return problem.segment((-0.3, turn * 0.09), (0.4, turn * 0.16))
+
+
+def test_a_parameter_that_errors_of_the_steps_alone_turn_has_no_fold():
+    """As along an explosion of cycles: no eigenvalue is near its critical value."""
+    assert bifurcations(hardly_turning(1e-8, lambda z: [-0.9], 1e-7)) == []
+
+
+@pytest.mark.parametrize(
+    ("turn", "value", "off"),
+    [(1e-8, -0.9, 1e-9), (1e-3, -0.9, 1e-7), (1e-8, -1e-15, 1e-7)],
+    ids=["more than errors", "a turn to be seen", "a critical eigenvalue"],
+)
+def test_any_other_turn_without_a_fold_is_a_disagreement(turn, value, off):
+    with pytest.raises(Disagreement, match="The parameter turns, but no fold is found"):
+        bifurcations(hardly_turning(turn, lambda z: [value], off))
+
+
 def test_both_folds_of_a_segment_that_turns_twice_need_a_shorter_one():
     """lam = x - x^3 between its far ends: the parameter goes the same way at both, and turns twice between.
 

@@ -20,11 +20,12 @@ from typing import Protocol
 import numpy as np
 
 from contwalk import quantities
-from contwalk.errors import NotFinite
+from contwalk.errors import NotFinite, StartError
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.protocol import OrbitKind
+from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Located, Sample
 
 ITERATIONS = 14
@@ -34,6 +35,11 @@ SMALL, ROUNDED = 1e-13, 1e-6
 # Steps of the check that gives the error, in units of the tolerance before.
 CHECK = 0.03
 MOST_REFINEMENTS = 4
+# A point moves by less from steps to finer ones, in the metric; where it is told by a multiplier along a
+# branch on which that changes by 1e100 while the parameter stands still, by less than the second.
+MOVED, MOVED_ALONG = 1e-2, 0.3
+# Along such a branch: steps at most, their length, and how near to the zero they end.
+MOST_MOVES, LONGEST, NEAREST = 100, 5e-3, 1e-8
 
 # residual (N + r,) and Jacobian (N + r, N + 1 + r') of an augmented system at its unknowns
 Evaluate = Callable[["OrbitData", np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -58,7 +64,8 @@ class Augmented:
     """An augmented system for any discretisation of a problem, its start, and typical magnitudes.
 
     `in_units`: whether its last rows are numbers in units of their own, as a guard or an observable is; else
-    they are bordered inverses, whose terms are of size one.
+    they are bordered inverses, whose terms are of size one. `across`: the gradient along the branch,
+    shape (N + 1,), where on other steps the point may lie so far along theirs that it has to be walked to.
     """
 
     evaluate: Evaluate
@@ -66,6 +73,7 @@ class Augmented:
     scale: np.ndarray
     vectors: Callable[[OrbitData, np.ndarray], dict]
     in_units: bool = False
+    across: np.ndarray | None = None
 
 
 def located(problem: OrbitData, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
@@ -104,7 +112,7 @@ def _refined(problem: OrbitData, system: Augmented, rough: np.ndarray, sample: S
             found = solution
             checked = max(CHECK * tolerance, TIGHTEST)
             check = problem.refined(found[: size + 1], sample.weights, checked)
-            correction = _correction(check, system, found)
+            correction = _checked(check, system, found)
         except NotFinite:
             break
         if correction is None:
@@ -125,7 +133,7 @@ def _refined(problem: OrbitData, system: Augmented, rough: np.ndarray, sample: S
         return None
     errors, found, finer = best
     moved = np.abs(found - rough)[: size + 1] / sample.weights
-    if not np.max(moved) < 1e-2:
+    if not np.max(moved) < (MOVED if system.across is None else MOVED_ALONG):
         return None  # refinement has left the neighbourhood
     vectors = system.vectors(finer, found)
     if "plane" in vectors:
@@ -154,7 +162,7 @@ def _rounding(problem: OrbitData, system: Augmented, y: np.ndarray, places: Sequ
 
 def _newton(problem: OrbitData, system: Augmented, start: np.ndarray) -> np.ndarray | None:
     """Newton's method to the rounding of the equations; None where it does not get there."""
-    y, before = start.copy(), np.inf
+    y, before = _begun(problem, system, start).copy(), np.inf
     for iteration in range(ITERATIONS):
         correction = _correction(problem, system, y)
         if correction is None:
@@ -169,6 +177,52 @@ def _newton(problem: OrbitData, system: Augmented, start: np.ndarray) -> np.ndar
         if size < SMALL or size**2 < 1e-3 * problem.mesh.tolerance:
             return y
     return None
+
+
+def _begun(problem: OrbitData, system: Augmented, start: np.ndarray) -> np.ndarray:
+    """Where Newton's method begins on some steps: at a start, or at the zero of g along their branch."""
+    if system.across is None:
+        return start
+    try:
+        return _along_branch(problem, system, start, system.across)
+    except (StartError, np.linalg.LinAlgError):
+        return start
+
+
+def _along_branch(problem: OrbitData, system: Augmented, start: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """The orbit nearest to where g vanishes, by the secants of g and short steps along the branch.
+
+    `start` and `across` have the shape (N + 1,).
+
+    Raises
+    ------
+    StartError, numpy.linalg.LinAlgError
+        If the branch cannot be followed there.
+    """
+    weights = system.scale
+    y = newton_on(problem, start, weights, across)
+    residual, jacobian = system.evaluate(problem, y)
+    g, slope = float(residual[-1]), 0.0
+    for _ in range(MOST_MOVES):
+        tangent = problem.linearize(y).tangent(across, weights)
+        slope = slope or float(jacobian[-1] @ tangent)
+        move = -g / slope if slope else np.nan
+        if not abs(move) > NEAREST:
+            break
+        move = float(np.clip(move, -LONGEST, LONGEST))
+        further = newton_on(problem, y + move * tangent, weights, across)
+        after = float(system.evaluate(problem, further)[0][-1])
+        if not np.isfinite(after):
+            break
+        y, g, slope = further, after, (after - g) / move
+    return y
+
+
+def _checked(problem: OrbitData, system: Augmented, y: np.ndarray) -> np.ndarray | None:
+    """The correction of a solution on other steps."""
+    begun = _begun(problem, system, y)
+    correction = _correction(problem, system, begun)
+    return correction if correction is None or begun is y else y - begun + correction
 
 
 def _correction(problem: OrbitData, system: Augmented, y: np.ndarray) -> np.ndarray | None:

@@ -75,9 +75,15 @@ def test_both_explosions_of_a_nerve_with_a_slow_recovery():
     found, _ = nerve_cycles(0.01, AUTO, max_points=3000)
     assert found.outcome.reason == "shrunk", found.outcome
     folds = labelled(found, "LP")
-    # A multiplier passes one by 1e20 within few steps: not each is refined, but told where it lies.
-    for fold, value in zip(folds, (0.295729010114736, 1.454270989885263), strict=True):
-        assert abs(fold.parameters["I"] - value) <= 1e-13
+    # AUTO-07p at two meshes; and the equations are their own image under
+    # (v, w, I) -> (-v, 7 / 4 - w, 7 / 4 - I).
+    for fold, value in zip(folds, (0.29572901011, 1.4542709899), strict=True):
+        assert fold.status == "located"
+        assert fold.error is not None
+        assert fold.error < 1e-12
+        assert abs(fold.parameters["I"] - value) <= fold.error + 5e-11
+    low, high = (fold.parameters["I"] for fold in folds)
+    assert abs(low + high - 1.75) <= sum(fold.error for fold in folds)
 
 
 def test_cycles_of_a_nerve_from_hopf_to_hopf_by_themselves():

@@ -7,6 +7,8 @@ the solution of F = 0 and that multiplier = 1, along the branch.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.problems.orbit import normal_forms, variations
@@ -79,4 +81,7 @@ def _flat_fold(problem: OrbitData, sample: Sample) -> Augmented | None:
 
     aside = BESIDE * sample.tangent
     slope = (value(problem, sample.z + aside) - value(problem, sample.z - aside)) / (2.0 * BESIDE)
-    return along(sample, value, slope)
+    system = along(sample, value, slope)
+    # On other steps the branch is as far along as errors of the steps are worth, where the multiplier is
+    # another by far.
+    return None if system is None else replace(system, across=sample.tangent / sample.weights**2)
