@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from contwalk.continuation.locating import Found, passes_through
 from contwalk.continuation.segment import LostBranch, Segment
-from contwalk.problems.problem import Sample
+from contwalk.problems.problem import Sample, Test
 
 # How near a solution is to the beginning, in parts of a step; the same beside a branch point.
 NEAR, BESIDE = 1e-5, 1e-2
-# Special points are at one value of the parameter, in the metric, if they differ by less.
+# Located branch points are at one value of the parameter, in the metric, if they differ by less.
 FOUND_AGAIN = 1e-6
+# What tells points at which another branch crosses.
+CROSSINGS = (Test.ORIENTATION, Test.TOGETHER)
 
 
 def closes(segment: Segment, found: list[Found], origin: Sample) -> bool:
@@ -50,7 +52,7 @@ def _comes_back(segment: Segment, origin: Sample) -> bool:
 
 
 def _finds_again(segment: Segment, found: list[Found], origin: Sample) -> bool:
-    """Whether a special point on the way is the orbit that the walk began with.
+    """Whether a branch point located on the way is the orbit that the walk began with.
 
     A branch that leaves a pitchfork has the parameter's extremum there: when it comes back, the parameter
     touches the value that it began with and does not cross it.
@@ -59,5 +61,7 @@ def _finds_again(segment: Segment, found: list[Found], origin: Sample) -> bool:
     return any(
         (each.located.problem or segment.problem).equivalence.same(origin, each.sample)
         for each in found
-        if abs(each.sample.parameter - origin.parameter) <= near
+        if each.kind != "unlocated"
+        and each.type.test in CROSSINGS
+        and abs(each.sample.parameter - origin.parameter) <= near
     )
