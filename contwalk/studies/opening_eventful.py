@@ -21,6 +21,7 @@ from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.least import least, unused_symmetries
 from contwalk.problems.hybrid.obstacles import collapsed as collapsed_event
+from contwalk.problems.hybrid.past_all_along import past_all_along
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.initial.event_recurrence import lap_from
@@ -177,6 +178,7 @@ def _hybrid(
     if lost:
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(lost))
         message = f"{message} The first orbit is not admissible: {names}.".strip()
+    message = f"{message} {past_all_along(adapted, sample.z)}".strip()
     return Opening(adapted, ContinuationState(sample, state.s, state.step), message)
 
 
