@@ -211,7 +211,10 @@ def _from_beside(
     Some corrections without new derivatives count as one iteration, as after Newton's steps.
     """
     steps = list[np.ndarray]()
-    z = _approached(equations.problem, beside, condition, steps)
+    try:
+        z = _approached(equations.problem, beside, condition, steps)
+    except PluginError:  # beside a singular point they lead anywhere, where the plugin may say nothing
+        return None
     if z is None:
         return None
     found = _iterated(equations, z, condition, iterations, damped=False)

@@ -9,6 +9,7 @@ import pytest
 from made_up import MadeUp, circle, parabola
 
 from contwalk.continuation.newton import correct
+from contwalk.errors import PluginError
 from contwalk.problems.problem import Linearization
 
 ONES = np.ones(2)
@@ -89,3 +90,18 @@ def test_a_residual_without_a_value_on_the_way_is_given_up():
     assert found.reason == "not_finite"
     found = correct(problem, np.array([1.03, 1.21]), np.array([0.0, 1.0]), ONES, beside=np.array([0.9, 0.81]))
     assert found.z == pytest.approx([1.1, 1.21], abs=1e-15)
+
+
+def test_a_plugin_that_refuses_a_place_on_the_way_is_asked_no_further():
+    """Derivatives beside a singular point lead anywhere, such as to a period that is negative."""
+
+    def f(z):
+        if z[0] < -1.0:
+            raise PluginError("period(p) is negative.")
+        return [z[0] ** 2 - z[1]]
+
+    problem = Cheap(f, lambda z: [[2.0 * z[0], -1.0]])
+    guess, normal = np.array([0.4, 0.3]), np.array([0.0, 1.0])
+    found = correct(problem, guess, normal, ONES, beside=np.array([1e-6, 1e-12]))
+    assert found.ok
+    assert found.z == pytest.approx([math.sqrt(0.3), 0.3], abs=1e-15)

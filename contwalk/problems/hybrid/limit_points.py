@@ -18,6 +18,7 @@ from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.augmented import Near
 from contwalk.problems.orbit.branching import filled_magnitudes
+from contwalk.problems.orbit.discretization import SOLVED
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.solving import newton_on
@@ -152,7 +153,9 @@ def _vanishes(problem: DiscretizedOrbit, i: int, sample: Near) -> bool:
     typical = _typical(problem, i, transition, sample)
     # One that passes zero with a rate is near it all along a short leg; rates are over the leg's own time.
     turns = abs(float(rates[0])) * problem.mesh.total <= SLOWLY * typical * abs(view.duration)
-    return turns and abs(float(values[0])) <= max(BELOW * most, ROUNDED * typical)
+    # What an equation makes zero, such as the guard of the event before, is so to what they are solved to.
+    rounded = max(ROUNDED, SOLVED * problem.mesh.tolerance) * typical
+    return turns and abs(float(values[0])) <= max(BELOW * most, rounded)
 
 
 def _solution(problem: DiscretizedOrbit, sample: Near) -> np.ndarray:

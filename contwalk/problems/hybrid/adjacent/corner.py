@@ -41,6 +41,8 @@ def has_corner(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, tangent: 
         neighbour = built_at(problem, z, limit, 0.0)
     except (NoAdjacentOrbit, NotFinite, np.linalg.LinAlgError):
         return False
+    if neighbour.grows.test == "dip":
+        return False  # as above: beyond, a guard turns before it is met
     there = neighbour.problem
     weights = filled_magnitudes(there, neighbour.z)
     leaving = kernel_direction(there.linearize(neighbour.z).jacobian, weights)
