@@ -1,12 +1,15 @@
-"""What the machine does a little beyond a limit: simulated, and its word read off.
+"""What the machine does a little beside a limit: simulated, and its word read off.
 
 Where no orbit of another word passes through the limit itself the motion beyond still tells how it goes on.
+Where an event is touched that leads into another mode, orbits that visit it may lie on this side of the
+limit, as where an unstable orbit meets one that sticks: a motion out of that mode tells.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,52 +38,101 @@ STEPS = (1e-3, 1e-4, 1e-5, 1e-2)
 SHORTEST = 0.8
 # What has not come back after so many closures is no orbit near it: a walker that has fallen, for example.
 LONGEST = 20.0
+# A visit that begins lasts as long as the root of the distance: so many times that, in the orbit's closure.
+VISITS = (0.3, 1.0, 3.0)
 # Of the orbit's variation: what a state that is zero has of rounding.
 ROUNDED = 1e-12
 
 
-def seeds(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-    """The orbit of another word a little beyond a point, and in words what was found, or seen instead."""
+@dataclass(frozen=True)
+class Begin:
+    """Where a simulation begins: a full state, shape (n,), at a time in a mode, right after an event."""
+
+    time: float
+    x: np.ndarray
+    mode: str
+    event: str
+
+
+def seeds(
+    problem: DiscretizedOrbit, point: SpecialPoint, visited: Begin | None = None
+) -> tuple[Sequence[Seed], str]:
+    """The orbit of another word a little beside a point, and in words what was found, or seen instead.
+
+    `visited`: right after the event that is touched, where it leads into another mode.
+    """
     z, tangent = np.array(point.unknowns), np.array(point.tangent)
     outward = tangent if point.s >= 0.0 else -tangent
     there = discretized(problem, z)
     weights = filled_magnitudes(there, z)
     told: list[str] = []
-    for step in STEPS:
-        guess = z + step * outward / float(np.linalg.norm(outward / weights))
+    for words, way, step, begin in _trials(there, z, outward, visited):
+        guess = z + step * way / float(np.linalg.norm(way / weights))
         try:
-            seed = _simulated(there, guess, outward, point.label)
+            seed = _simulated(there, guess, way, point.label, begin)
         except (ContwalkError, np.linalg.LinAlgError) as error:
-            told.append(first_sentence(str(error)))
+            told += [first_sentence(str(error))] if begin is None else []
             continue
-        words = folded(seed.problem.word.signature(seed.problem.system)) or "no events"  # type: ignore[attr-defined]
-        return (seed,), f"A little beyond, the motion has the signature [{words}]: a branch of its own."
+        found = folded(seed.problem.word.signature(seed.problem.system)) or "no events"  # type: ignore[attr-defined]
+        return (seed,), f"{words} the signature [{found}]: a branch of its own."
     return (), f"Beyond it: {told_once(told)}."
 
 
-def _simulated(problem: DiscretizedOrbit, guess: np.ndarray, outward: np.ndarray, label: str) -> Seed:
-    """The orbit that a simulation from a guess goes round in.
+def _trials(
+    problem: DiscretizedOrbit, z: np.ndarray, outward: np.ndarray, visited: Begin | None
+) -> Iterator[tuple[str, np.ndarray, float, Begin | None]]:
+    """What is tried: words for what is found, the way along the branch, how far, where a motion begins."""
+    for step in STEPS:
+        yield "A little beyond, the motion has", outward, step, None
+    if visited is None:
+        return
+    flow = hybrid_machine(problem.system, problem.values_of(z)).mode(visited.mode)
+    own = flow.states
+    rate = flow.field.along(np.array([visited.time]), visited.x[own][None], flow.c)[0]
+    words = f"A little before, a motion that visits mode '{visited.mode}' has"
+    for step, share in itertools.product(STEPS[:2], VISITS):
+        lasts, x = share * float(np.sqrt(step)) * problem.duration(z), visited.x.copy()
+        x[own] -= lasts * rate
+        yield words, -outward, step, replace(visited, time=visited.time - lasts, x=x)
+
+
+def _beginning(problem: DiscretizedOrbit, guess: np.ndarray) -> Begin:
+    """Where the orbit of a guess begins.
+
+    Raises
+    ------
+    ContwalkError
+        If its first event would be passed the wrong way.
+    """
+    x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])
+    x = np.where(np.abs(x) < ROUNDED * problem.mesh.variation, 0.0, x)  # no magnitude of a state
+    word, time = problem.word, float(problem.starting_times(guess)[0])
+    event = word.leading_in(problem.system, 0)
+    if event and _goes_back(problem, problem.values_of(guess), event, time, x):
+        raise ContwalkError(f"orbits of this signature would pass '{event}' the wrong way")
+    return Begin(time, x, word.legs[0].mode, event)
+
+
+def _simulated(
+    problem: DiscretizedOrbit, guess: np.ndarray, way: np.ndarray, label: str, begin: Begin | None
+) -> Seed:
+    """The orbit that a simulation goes round in at a guess's parameters, from its start or from another one.
 
     Raises
     ------
     ContwalkError
         If it does not come back, or its orbit is not the machine's.
     """
-    values = problem.values_of(guess)
-    x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])
-    x = np.where(np.abs(x) < ROUNDED * problem.mesh.variation, 0.0, x)  # no magnitude of a state
-    word, time = problem.word, float(problem.starting_times(guess)[0])
-    event = word.leading_in(problem.system, 0)
-    if event and _goes_back(problem, values, event, time, x):
-        raise ContwalkError(f"orbits of this signature would pass '{event}' the wrong way")
+    values, word = problem.values_of(guess), problem.word
+    begin = begin or _beginning(problem, guess)
     lap = lap_from(
         problem.system,
         values,
-        x,
-        word.legs[0].mode,
+        begin.x,
+        begin.mode,
         until=None,
-        time=time,
-        after=event or None,
+        time=begin.time,
+        after=begin.event or None,
         least=SHORTEST * problem.duration(guess),
         longest=LONGEST * problem.duration(guess),
     )
@@ -111,7 +163,7 @@ def _simulated(problem: DiscretizedOrbit, guess: np.ndarray, outward: np.ndarray
         raise ContwalkError(f"the orbit that a simulation leads to violates '{lost[0]}'")
     weights = filled_magnitudes(there, start)
     tangent = kernel_direction(there.linearize(start).jacobian, weights)
-    tangent = tangent * (np.sign(tangent[-1]) * np.sign(outward[-1]) or 1.0)
+    tangent = tangent * (np.sign(tangent[-1]) * np.sign(way[-1]) or 1.0)
     walking = there.adapted_to(start, weights)
     return Seed(label, start, tangent, amplitude(tangent), walking)
 

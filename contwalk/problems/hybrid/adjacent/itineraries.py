@@ -21,29 +21,56 @@ from contwalk.errors import NotFinite, StartError
 from contwalk.problems.hybrid import beyond
 from contwalk.problems.hybrid.adjacent.at_limit import begun_elsewhere, limit_of, place_of
 from contwalk.problems.hybrid.adjacent.branch import seed_of
-from contwalk.problems.hybrid.adjacent.orbit import NoAdjacentOrbit, Undetermined, starts_and_durations
+from contwalk.problems.hybrid.adjacent.orbit import (
+    NoAdjacentOrbit,
+    Undetermined,
+    after_transition,
+    starts_and_durations,
+    state_on_leg,
+)
 from contwalk.problems.hybrid.adjacent.together import SAME_TOUCH, built_beyond, met_together
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.orbit.word import Leg
 from contwalk.problems.problem import Seed
 from contwalk.signatures import folded
 
 
 def found(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
     """The branches of neighbouring words that leave a limit, and in words what was found, or tried."""
+    visited = None
     try:
         limit, place = limit_of(problem, point)
+        visited = _visited(problem, point, limit, place)
         seeds = _leaving(*begun_elsewhere(problem, np.array(point.unknowns), limit), place, point.label)
     except Undetermined as reason:
         return (), str(reason)
     except NoAdjacentOrbit as reason:
-        simulated, told = beyond.seeds(problem, point)
+        simulated, told = beyond.seeds(problem, point, visited)
         return simulated, f"No orbit of another signature passes there: {reason} {told}"
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
     words = dict.fromkeys(_words(cast("DiscretizedOrbit", seed.problem)) for seed in seeds)
     branches = "a branch of their own" if len(seeds) == 1 else f"{len(seeds)} branches of their own"
     return seeds, f"The orbits with signature {' and '.join(words)} leave there: {branches}."
+
+
+def _visited(
+    problem: DiscretizedOrbit, point: SpecialPoint, limit: Limit, place: float
+) -> beyond.Begin | None:
+    """Right after an event that is touched and leads into another mode than the one that goes on."""
+    old, transition = problem.word.legs[limit.leg], transition_of(problem, limit)
+    if limit.test != "dip" or transition.target == old.mode:
+        return None
+    z = np.array(point.unknowns)
+    there = discretized(problem, z)
+    lasting = float(z[there.layout.durations][limit.leg])
+    t = float(there.starting_times(z)[limit.leg]) + place * lasting
+    leg = Leg(old.mode, transition, transition.direction != "rising")
+    x = after_transition(there, leg, state_on_leg(there, z, limit.leg, place), t, z)
+    return beyond.Begin(t, x, transition.target, transition.name)
 
 
 def _words(problem: DiscretizedOrbit) -> str:
