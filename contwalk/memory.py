@@ -42,6 +42,16 @@ def remembered(known: dict[Key, Value], key: Key, most: int, make: Callable[[], 
     return known[key]
 
 
+def memory_of(owner: object, what: str) -> dict[Any, Any]:
+    """What is remembered of an object under a name, for `remembered`: it goes when the object goes.
+
+    What is made of a system keeps the system. In a dictionary of a module both would stay as long as the
+    process; with the system they are a circle that the collector finds.
+    """
+    known: dict[Any, Any] = vars(owner).setdefault("_memory", {}).setdefault(what, {})
+    return known
+
+
 def unowned(method: Callable[Given, Value]) -> Callable[Given, Value]:
     """A bound method that does not keep its object: for what the object itself remembers.
 

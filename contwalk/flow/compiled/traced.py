@@ -13,15 +13,14 @@ from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.field import Field
 from contwalk.flow.compiled.restricted import Restricted
-from contwalk.memory import remembered
+from contwalk.memory import memory_of, remembered
 from contwalk.system import Mode, Neutral, System
 from contwalk.system.declarations import ParameterValues
 
 TIME, STATE, PARAMETER, CONSTANT = "t", "x", "p", "m"
 
-# Fields that several modes share, and machines that differ in their transitions only.
-_SHARED: dict[tuple, Field] = {}
-_MOST_SHARED = 32
+# What is remembered of one system, or of one mode, at most.
+_MOST_KEPT = 32
 
 
 def field_of(system: System, mode: str | None = None) -> CompiledField:
@@ -36,30 +35,24 @@ def field_of(system: System, mode: str | None = None) -> CompiledField:
     return Field(field_program(system, chosen.name), states, groups, time=(TIME, 0))
 
 
-_CONSERVED: dict[tuple[int, str], tuple[System, Field]] = {}
-
-
 def conserved_map(system: System, mode: str) -> Field:
     """The conserved quantities as a map of the states that exist in a mode, compiled."""
 
-    def made() -> tuple[System, Field]:
+    def made() -> Field:
         states, copies = system.states_of(mode), [rebound(entry.of(mode)) for entry in system.conserved]
         program = trace(lambda tracer: [copy(*arguments(tracer, system, mode)) for copy in copies])
         groups = {PARAMETER: len(system.parameters)}
         inputs = [(STATE, i) for i in states]
-        return system, Field(program, inputs, groups, time=(TIME, 0), outputs=len(copies))
+        return Field(program, inputs, groups, time=(TIME, 0), outputs=len(copies))
 
-    return remembered(_CONSERVED, (id(system), mode), _MOST_SHARED, made)[1]
-
-
-_GENERATORS: dict[tuple[int, str, str], tuple[System, Field]] = {}
+    found: Field = remembered(memory_of(system, "conserved"), mode, _MOST_KEPT, made)
+    return found
 
 
 def generator_field(system: System, neutral: Neutral, mode: str) -> Field:
     """A neutral direction in the states that exist in a mode, compiled."""
-    key = id(system), neutral.name, mode
 
-    def made() -> tuple[System, Field]:
+    def made() -> Field:
         states, copy = system.states_of(mode), rebound(neutral.generator)
 
         def along(tracer: Tracer) -> list[Any]:
@@ -68,21 +61,27 @@ def generator_field(system: System, neutral: Neutral, mode: str) -> Field:
             return [v[i] for i in states]
 
         groups = {PARAMETER: len(system.parameters)}
-        return system, Field(trace(along), [(STATE, i) for i in states], groups, time=(TIME, 0))
+        return Field(trace(along), [(STATE, i) for i in states], groups, time=(TIME, 0))
 
-    return remembered(_GENERATORS, key, _MOST_SHARED, made)[1]
+    found: Field = remembered(memory_of(system, "generators"), (neutral.name, mode), _MOST_KEPT, made)
+    return found
 
 
 def _shared_field(system: System, mode: Mode) -> Field:
-    """The field of all modes with the function and the names of constants of this one."""
-    key = mode.field, tuple(mode.constants), system.state_names, system.parameter_names
+    """The field of all modes with the function and the names of constants of this one.
+
+    Machines that differ in their transitions only have the same modes, and share it.
+    """
+    names = tuple(mode.constants), system.state_names, system.parameter_names
+    first = next(each for each in system.modes if each.field is mode.field)
 
     def made() -> Field:
         states = [(STATE, i) for i in range(len(system.states))]
         groups = {CONSTANT: len(mode.constants), PARAMETER: len(system.parameters)}
         return Field(shared_program(system, mode), states, groups, time=(TIME, 0))
 
-    return remembered(_SHARED, key, _MOST_SHARED, made)
+    found: Field = remembered(memory_of(first, "fields"), names, _MOST_KEPT, made)
+    return found
 
 
 def shared_program(system: System, mode: Mode) -> Program:

@@ -20,7 +20,7 @@ from contwalk.flow.events.guard_code import GuardCode, GuardCodes
 from contwalk.flow.events.guard_derivatives import Derivatives
 from contwalk.flow.events.jump_instants import TimeChoices
 from contwalk.flow.events.resolving import Resolving
-from contwalk.memory import remembered
+from contwalk.memory import memory_of, remembered
 from contwalk.system import System, Transition
 
 _UNWRITTEN = "unwritten"
@@ -94,14 +94,9 @@ class HybridCode:
         return self._jumps[key]
 
 
-_KNOWN: dict[int, HybridCode] = {}
-_MOST_KNOWN = 64
-
-
 def hybrid_code(system: System) -> HybridCode:
     """The code of a system; traced and compiled only once."""
-    # It keeps its system, and so its id.
-    return remembered(_KNOWN, id(system), _MOST_KNOWN, lambda: HybridCode(system))
+    return remembered(memory_of(system, "hybrid code"), None, 1, lambda: HybridCode(system))
 
 
 # -- tracing -------------------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ from contwalk.fields.kernel import Kernel
 from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Program, Tracer, trace
-from contwalk.memory import remembered
+from contwalk.memory import memory_of, remembered
 from contwalk.problems.tracing import parameter_symbols, refuse_time, state_symbols, written
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -342,7 +342,7 @@ class Equations:
         return Kernel(program.transformed(change), GROUPS, (self.states, len(inputs)))
 
 
-_KNOWN: dict[tuple, Equations] = {}
+# Equations of one system that are kept.
 _MOST_KNOWN = 64
 
 
@@ -354,9 +354,12 @@ def equations_of(
     second: str | None = None,
 ) -> Equations:
     """As `Equations(...)`, traced only once for the same arguments (no values of parameters among them)."""
-    key = (id(system), free, moving, tuple(id(pin) for pin in pins), second)
-    # It keeps its system and pins, and so their ids.
-    return remembered(_KNOWN, key, _MOST_KNOWN, lambda: Equations(system, free, moving, pins, second))
+    # They keep their pins, and so the ids of these.
+    key, known = (free, moving, tuple(id(pin) for pin in pins), second), memory_of(system, "equations")
+    found: Equations = remembered(
+        known, key, _MOST_KNOWN, lambda: Equations(system, free, moving, pins, second)
+    )
+    return found
 
 
 def _refuse_absent(system: System, mode: str) -> None:

@@ -7,16 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.memory import remembered
+from contwalk.memory import memory_of, remembered
 from contwalk.problems.hybrid import limit_points, limits_told, switching
 from contwalk.problems.hybrid.adjacent import itineraries
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.problem import Located, Sample, Seed
-from contwalk.system import System
 
 # Limits whose neighbours are kept.
-_NEIGHBOURS: dict[tuple, tuple[System, tuple[Sequence[Seed], str]]] = {}
 _MOST_NEIGHBOURS = 4
 
 
@@ -52,10 +50,11 @@ class HybridLimits:
         They are asked for twice: where a branch ends, for the words, and where others begin.
         """
         key = (*_given(self._orbit, np.array(point.unknowns)), point.label, point.unknowns)
-        # What is found keeps the system, and so its id.
-        system = self._orbit.system
-        found = remembered(_NEIGHBOURS, key, _MOST_NEIGHBOURS, lambda: (system, self._beyond(point)))
-        return found[1]
+        known = memory_of(self._orbit.system, "neighbours")
+        found: tuple[Sequence[Seed], str] = remembered(
+            known, key, _MOST_NEIGHBOURS, lambda: self._beyond(point)
+        )
+        return found
 
     def _beyond(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         return itineraries.found(self._orbit, point)
@@ -67,4 +66,4 @@ def _given(orbit: DiscretizedOrbit, z: np.ndarray) -> tuple:
     numbers = (orbit.turns, line.direction, np.zeros(0) if held is None else held)
     values = tuple(orbit.values_of(z).items()), *(each.tobytes() for each in numbers)
     kinds = orbit.word, line.free, orbit.pins, orbit.subharmonic, orbit.discretization
-    return id(orbit.system), *kinds, *values
+    return *kinds, *values

@@ -10,7 +10,7 @@ from contwalk.errors import NotFinite
 from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
-from contwalk.memory import remembered
+from contwalk.memory import memory_of, remembered
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.grouping import NO_TIME
@@ -29,19 +29,16 @@ MOST_SWITCHES = 16
 
 Piece = tuple[Leg, np.ndarray, float]
 
-_ONLY_SOFT: dict[int, tuple[System, System]] = {}
-_MOST_KNOWN = 16
-
 
 def only_soft(system: System) -> System:
     """The machine without its hard transitions: what moves between them."""
 
-    def made() -> tuple[System, System]:
+    def made() -> System:
         soft = tuple(transition for transition in system.transitions if transition.role == "soft")
-        bare = replace(system, transitions=soft, conditions=(), symmetries=(), observables=(), neutral=())
-        return system, bare
+        return replace(system, transitions=soft, conditions=(), symmetries=(), observables=(), neutral=())
 
-    return remembered(_ONLY_SOFT, id(system), _MOST_KNOWN, made)[1]
+    found: System = remembered(memory_of(system, "only soft"), None, 1, made)
+    return found
 
 
 def hard_word(word: Word) -> Word:

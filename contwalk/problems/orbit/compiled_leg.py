@@ -17,7 +17,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import CompiledField, Field, Restricted
-from contwalk.memory import remembered
+from contwalk.memory import memory_of, remembered
 from contwalk.problems.forcing import period_at
 from contwalk.problems.kinks import Course, Place, inputs
 from contwalk.problems.orbit.lifts import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
@@ -90,8 +90,9 @@ class CompiledLeg(TracedLeg):
         mode = self.system.mode(self.leg.mode)
         kept = tuple(quantity.of(mode.name) for quantity in self.system.conserved)
         kind = self.inputs, self.closing.periods, self.holding
-        key = id(self.system), mode.field, tuple(mode.constants), kept, *kind
-        return remembered(_SHARED, key, _MOST_SHARED, lambda: SharedField(self))
+        key, known = (mode.field, tuple(mode.constants), kept, *kind), memory_of(self.system, "shared fields")
+        found: SharedField = remembered(known, key, _MOST_SHARED, lambda: SharedField(self))
+        return found
 
     def end(self, lift: str) -> Field:
         """The map at the end: state after the transition, and the guard; of a lift, each with its
@@ -229,6 +230,5 @@ class SharedField:
         return self._fields[key]
 
 
-# What modes share keeps its passage, and so its system and its identity.
-_SHARED: dict[tuple, SharedField] = {}
+# Fields of one system, each shared by several modes, that are kept.
 _MOST_SHARED = 64

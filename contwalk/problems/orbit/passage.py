@@ -14,7 +14,7 @@ from contwalk.fields.switching import may_jump
 from contwalk.fields.trace import Tracer, trace
 from contwalk.flow import Field
 from contwalk.flow.events.guard_derivatives import MOST_NODES
-from contwalk.memory import remembered
+from contwalk.memory import memory_of, remembered
 from contwalk.problems.orbit.compiled_leg import CompiledLeg
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.traced_leg import NOTHING_MORE, ONE_PERIOD, Closing, Scalar, ScalarInputs
@@ -162,7 +162,7 @@ class Passage(CompiledLeg):
         return self._fields[key]
 
 
-_KNOWN: dict[tuple, Passage] = {}
+# Passages of one system that are kept.
 _MOST_KNOWN = 256
 
 
@@ -176,8 +176,9 @@ def passage_of(
 ) -> Passage:
     """As `Passage(...)`, traced and compiled only once for the same arguments."""
     given = leg, target, inputs, closing, holding
-    # It keeps its system, and so its id.
-    return remembered(_KNOWN, (id(system), *given), _MOST_KNOWN, lambda: Passage(system, *given))
+    known = memory_of(system, "passages")
+    found: Passage = remembered(known, given, _MOST_KNOWN, lambda: Passage(system, *given))
+    return found
 
 
 def closure_of(

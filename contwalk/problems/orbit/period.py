@@ -11,6 +11,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
+from contwalk.memory import memory_of, remembered
 from contwalk.problems.forcing import positive
 from contwalk.problems.kinks import Course, Place, inputs
 from contwalk.problems.orbit.lifts import DIRECTIONS, lifted
@@ -19,8 +20,8 @@ from contwalk.problems.tracing import parameter_symbols
 from contwalk.system import System
 
 ORDERS = {"plain": 1, "tangent": 2, "jet": 4}
-_KNOWN: dict[tuple, tuple[System, Field]] = {}
-_CHOICES: dict[tuple, tuple[System, Switching | None]] = {}
+# Periods of one system, by what moves and how often they are differentiated, that are kept.
+_MOST_KNOWN = 16
 
 
 def period_map(system: System, free: str | None, change: np.ndarray, lift: str) -> Field:
@@ -35,13 +36,14 @@ def period_map(system: System, free: str | None, change: np.ndarray, lift: str) 
     lift : str
     """
     moving = tuple(np.flatnonzero(change).tolist())
-    key = id(system), free, moving, lift
-    if key in _KNOWN:
-        return _KNOWN[key][1]
-    groups = {**_groups(system), **dict.fromkeys(DIRECTIONS[lift], 1)}
-    program = lifted(_program(system, free, moving), 0, [("l", 0)], lift)
-    found = Field(program, [], groups, [("l", 0)], time=("t", 0), outputs=ORDERS[lift])
-    _KNOWN[key] = system, found
+
+    def made() -> Field:
+        groups = {**_groups(system), **dict.fromkeys(DIRECTIONS[lift], 1)}
+        program = lifted(_program(system, free, moving), 0, [("l", 0)], lift)
+        return Field(program, [], groups, [("l", 0)], time=("t", 0), outputs=ORDERS[lift])
+
+    known = memory_of(system, "period maps")
+    found: Field = remembered(known, (free, moving, lift), _MOST_KNOWN, made)
     return found
 
 
@@ -87,12 +89,14 @@ def period_course(system: System, line: ParameterLine) -> Course | None:
 
 def _switching(system: System, line: ParameterLine) -> Switching | None:
     """Where the period is smooth by pieces only along a line; None where it is smooth."""
-    key = id(system), line.own, line.moving
-    if key not in _CHOICES:
+
+    def made() -> Switching | None:
         program = _program(system, line.own, line.moving)
-        found = Switching(program, [("l", 0)], ("t", 0)) if choices_of(program) else None
-        _CHOICES[key] = system, found
-    return _CHOICES[key][1]
+        return Switching(program, [("l", 0)], ("t", 0)) if choices_of(program) else None
+
+    known = memory_of(system, "choices of periods")
+    found: Switching | None = remembered(known, (line.own, line.moving), _MOST_KNOWN, made)
+    return found
 
 
 def period_and_slope(

@@ -13,7 +13,6 @@ from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.problems.hybrid import limited
-from contwalk.problems.orbit import passage
 from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Mode, Neutral, Parameter, State, System, Transition
 
@@ -56,9 +55,7 @@ def notes(system: System, k: float) -> list[str]:
 @pytest.mark.parametrize("made", [smooth, eventful])
 @pytest.mark.parametrize(("first", "then"), [(0.0, 0.5), (0.5, 0.0)])
 def test_kinks_are_told_in_the_order_that_they_have(made, first: float, then: float) -> None:
-    passage._KNOWN.clear()
     alone = notes(made(), then)
-    passage._KNOWN.clear()
     system = made()
     before = notes(system, first)
     assert notes(system, then) == alone
@@ -76,7 +73,6 @@ def test_neighbours_of_a_limit_are_those_of_its_own_orbits(monkeypatch) -> None:
     assert isinstance(opening, Opening)
     problem, z = opening.problem, opening.state.sample.z
     asked: list[object] = []
-    monkeypatch.setattr(limited, "_NEIGHBOURS", {})
     monkeypatch.setattr(
         limited.itineraries, "found", lambda problem, point: asked.append(problem) or ([], "")
     )
