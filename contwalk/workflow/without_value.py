@@ -1,4 +1,4 @@
-"""What a branch lacks at some of its points: numbers of the plugin's observables, the reported state."""
+"""What a branch lacks at some points: numbers of the plugin's observables, the reported state, a way."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 from contwalk.branch import Branch
 from contwalk.python_functions import line_of
 from contwalk.system import System
+from contwalk.workflow.blind_steps import blind_steps
 from contwalk.workflow.run_file.settings import ReportAt
 
 NEVER = "which never happens on them"
 
 
 def notes_of(branch: Branch, system: System, place: ReportAt | None) -> Iterator[tuple[str, str]]:
-    """Keys and sentences of what has no value on a branch, one sentence for each reason.
+    """Keys and sentences of what has no value on a branch, or no direction, one sentence for each reason.
 
     Parameters
     ----------
@@ -26,6 +27,8 @@ def notes_of(branch: Branch, system: System, place: ReportAt | None) -> Iterator
     """
     if not len(branch):
         return
+    if blind := blind_steps(branch):
+        yield f"direction {branch.name}", blind
     events = None if branch.info.problem == "equilibrium" else _events(branch, system, place)
     absent = _absent(branch, system, place, events)
     if absent:
