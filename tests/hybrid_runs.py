@@ -52,6 +52,7 @@ def opened(
     until: float | str | None = None,
     accuracy: float = ACCURACY,
     method: str = "auto",
+    scheme: str = "shooting",
     report_event: tuple[str, str] | None = None,
     settings: Settings | None = None,
 ) -> Opening | Outcome:
@@ -65,7 +66,9 @@ def opened(
         free,
         np.array(state, dtype=float),
         settings or Settings(),
-        discretization=cw.Discretization(accuracy=accuracy, method=method, report_event=report_event),
+        discretization=cw.Discretization(
+            accuracy=accuracy, method=method, scheme=scheme, report_event=report_event
+        ),
         until=until,
         mode=mode,
         event=event,

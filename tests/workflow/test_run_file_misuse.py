@@ -353,14 +353,3 @@ def test_whatever_is_written_gives_a_run_or_a_sentence(tmp_path, lines, noise):
     except RunFileError as error:  # any other exception fails the test
         said = error.sentence
     assert said == "" or "run.yaml" in said
-
-
-def test_collocation_of_a_machine_with_events_is_refused(tmp_path):
-    text = "system: bouncing_ball\nstart: {state: {}}\ncontinue: {parameter: r, range: [0.1, 0.2]}\n"
-    told = message(tmp_path, text + "engine: {discretization: collocation}\n")
-    for part in (
-        "key engine.discretization",
-        "has events or watched transitions",
-        "Allowed with such a system",
-    ):
-        assert part in told

@@ -52,7 +52,7 @@ def adapted_to(
             [scalars for _, scalars in inputs],
             orbit.line.constants,
             flow.ErrorControl(asked, magnitudes, most),
-            orbit.discretization.method,
+            orbit.discretization.integrator(asked),
             orbit.word.has_halves(orbit.system),
             1 if orbit.word.eventful or len(orbit.word) > 1 else PARTS,
         )
@@ -69,7 +69,8 @@ def adapted_to(
         section = orbit.section if still else section_at(x, own, units)
     # An orbit that has shrunk to no time at all has the unit of those beside it.
     total = abs(orbit.duration(z)) or (1.0 if orbit._mesh is None else orbit._mesh.total)
-    problem = orbit.on(replace(mesh, total=total), section)
+    mesh = replace(mesh, total=total, reason=orbit.discretization.why(mesh.reason))
+    problem = orbit.on(mesh, section)
     if tolerance is None:  # who walks on asks for the equations there next, and one pass serves both
         problem.linearize(z)
     # Its views need the steps, and the units of its equations need the views.

@@ -49,7 +49,8 @@ class Discretization:
         `auto`, or one of `flow.METHODS`.
     scheme : str
         `shooting`: an orbit's segments are of equal duration, and integrated by whichever method suits the
-        flow. `collocation`: they are of equal growth, and solved by collocation at Gauss points. `auto`: an
+        flow. `collocation`: they are of equal growth, and solved by collocation at Gauss points; legs between
+        events are solved so too, and cut as by `shooting`. `auto`: an
         orbit over which deviations grow too much for one segment is cut at times of equal growth, and
         integrated by whichever method suits the flow; where their number is given, as `shooting`.
     tolerance : float, optional
@@ -84,6 +85,11 @@ class Discretization:
         if self.method != "auto" or self.scheme != "collocation":
             return self.method
         return f"gauss{2 * next(degree for degree, least in DEGREES if tolerance >= least)}"
+
+    def why(self, reason: str) -> str:
+        """Why a method was taken, by default for a reason that it was chosen for."""
+        asked = self.scheme == "collocation" and self.method == "auto"
+        return "collocation at Gauss points, as the run asks for" if asked else reason
 
     @property
     def walking(self) -> float:

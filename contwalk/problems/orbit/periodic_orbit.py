@@ -251,8 +251,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         method, cuts = self.discretization.integrator(tolerance), self.cuts_in(z)
         values = np.concatenate([scalars, self.line.constants])
         mesh = meshed(self.passage, starts, values, magnitudes, tolerance, method, self.parts, cuts)
-        if self.discretization.scheme == "collocation" and self.discretization.method == "auto":
-            mesh = replace(mesh, reason="collocation at Gauss points, as the run asks for")
+        mesh = replace(mesh, reason=self.discretization.why(mesh.reason))
         self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
         problem = self.on(mesh, section_through(self, starts[0], values, magnitudes))
         # An orbit that is a point still has no velocities to compare with: its section holds the phase.

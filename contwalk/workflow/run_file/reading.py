@@ -296,7 +296,7 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
         output=_output(problems, model, path, output, starts),
         figures=figures_of(problems, system, model, DIAGRAM_FIGURES),
         sweep=sweep_values(problems, system, model, varying),
-        engine=settings.engine(problems, system, model),
+        engine=model.engine.model_dump(exclude_none=True),
         second=second,
         loci=loci,
         without_effect=without_effect(problems, model, system, ranges),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from contwalk import quantities
 from contwalk.system.declarations import System
@@ -288,17 +287,6 @@ def report_place(problems: Problems, system: System, place: ReportPlace | None) 
             allowed(system.state_names, name),
         )
     return ReportAt(section=(name, value), direction=place.direction)
-
-
-def engine(problems: Problems, system: System, model: RunModel) -> dict[str, Any]:
-    """The settings of the engine that are given, or have a default."""
-    if model.engine.discretization == "collocation" and system.has_events:
-        problems.add(
-            ("engine", "discretization"),
-            f"'{system.name}' has events or watched transitions, and collocation is of smooth orbits only.",
-            "Allowed with such a system: shooting.",
-        )
-    return model.engine.model_dump(exclude_none=True)
 
 
 def _check_event(problems: Problems, system: System, event: str) -> None:
