@@ -1,6 +1,6 @@
 """FitzHugh-Nagumo with folds of cycles."""
 
-from peers.form import FORTY_DIGITS, Peer, Study, Value
+from peers.form import FORTY_DIGITS, Ending, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, System
 
@@ -39,6 +39,24 @@ PEER = Peer(
                 Value("LP", 0.3241785225, 3e-10, "AUTO-07p at two meshes", of="orbit"),
                 Value("LP", 1.4258214775, 3e-10, "AUTO-07p at two meshes", of="orbit"),
             ),
+        ),
+        # Along both explosions the parameter stands still to its last digit, and deviations grow by 1e80.
+        Study(
+            "eps=0.01",
+            {
+                "parameters": {"eps": 0.01},
+                "start": {"state": {"v": -1.2, "w": -0.6}},
+                "continue": {"parameter": "I", "range": [0.0, 2.0], "max_points": 2000},
+                "engine": {"discretization": "auto"},
+            },
+            values=(
+                Value("HB", 0.29666066400809676, 1e-15, FORTY_DIGITS, criticality="subcritical"),
+                Value("HB", 1.4533393359919033, 1e-15, FORTY_DIGITS, criticality="subcritical"),
+                Value("LP", 0.29572901011, 2e-11, "AUTO-07p at two meshes", of="orbit"),
+                Value("LP", 1.4542709899, 2e-11, "AUTO-07p at two meshes", of="orbit"),
+            ),
+            endings=(Ending("shrunk", "the Hopf point at 1.4533", 1.453340, 1e-3),),
+            slow=True,
         ),
     ),
 )
