@@ -87,6 +87,8 @@ def what_jumps(machine: HybridMachine, segment: MotionSegment) -> str:
 
     The field of the segment's mode, or a guard out of it; empty if all are on one smooth piece.
     """
+    if not machine.mode(segment.mode).code.chooses:
+        return ""
     functions = functions_of(machine.system, segment.mode)
     known = {**machine.parameters, **machine.system.mode(segment.mode).constants}
     places = list(zip(segment.times[-LATELY:].tolist(), segment.states[-LATELY:].tolist(), strict=True))

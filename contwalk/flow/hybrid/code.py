@@ -12,9 +12,10 @@ from contwalk.errors import SystemDefinitionError
 from contwalk.fields.derivative import ancestors
 from contwalk.fields.kernel import refuse_raising
 from contwalk.fields.rebind import rebound
+from contwalk.fields.switching import choices_of
 from contwalk.fields.trace import Outputs, Program, Tracer, trace
 from contwalk.flow.compiled.field import Field
-from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, arguments, field_of
+from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, arguments, field_of, field_program
 from contwalk.flow.events.guard import Guard
 from contwalk.flow.events.guard_code import GuardCode, GuardCodes
 from contwalk.flow.events.guard_derivatives import Derivatives
@@ -58,6 +59,12 @@ class ModeCode:
             guard = self.transitions[number].guard
             self._derivatives[number] = Derivatives(self.system, guard, self.name)
         return self._derivatives[number]
+
+    @cached_property
+    def chooses(self) -> bool:
+        """Whether the field, or a guard, is smooth by pieces only."""
+        programs = [field_program(self.system, self.name), *(guard.code.program for guard in self.guards)]
+        return any(choices_of(program) for program in programs)
 
     @cached_property
     def time_choices(self) -> TimeChoices:
