@@ -79,17 +79,13 @@ def _followed(
     if not problem.forced:
         scalars[0] *= times
     # How deviations grow over the closures is known from one: they are not integrated in one piece to see it.
-    chosen = problem.uneven and problem.mesh.segments > 1
-    if chosen:
+    if problem.uneven and problem.mesh.segments > 1:
         when = np.concatenate([problem.mesh.cuts + closures for closures in range(times)])
     else:
         count = segments_over(problem, z, times)
         when = np.arange(count) * times / count
-    cut = [_at(problem, z, direction, float(time)) for time in when]
-    if not chosen:
-        cut = [
-            (x, w - _hurried(problem, z, direction, x, float(t))) for (x, w), t in zip(cut, when, strict=True)
-        ]
+    reached = [(*_at(problem, z, direction, float(time)), float(time)) for time in when]
+    cut = [(x, w - _hurried(problem, z, direction, x, time)) for x, w, time in reached]
     start = other.laid_out(np.array([x for x, _ in cut]), scalars, when / times)
     own = np.tile(problem.mesh.variation * np.sqrt(len(when)), len(when))
     weights = other.laid_out(own, np.abs(scalars), 1.0)

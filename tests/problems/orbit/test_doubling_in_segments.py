@@ -8,6 +8,9 @@ from moebius import band
 from small_systems import labelled, small_system
 
 import contwalk as cw
+from contwalk.problems.initial.orbit_from_state import orbit_at
+from contwalk.problems.orbit.transport import carried_to
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import State
 
 RATE, LOW, HIGH = 12.0, 0.99, 1.04
@@ -60,3 +63,32 @@ def test_a_normal_form_that_is_lost_beside_what_grows_is_no_degenerate_one():
     assert "c" not in point.coefficients
     assert "degenerate" not in point.note
     assert "deviations grow by" in point.note
+
+
+# Of the cycle at its period doubling, where y rises through zero.
+START, PERIOD = (5.108149175136917, 0.0, 1.638400688937966), 5.76982001651013
+
+
+def rossler(t, x, p, dx):
+    dx[0] = -x[1] - x[2]
+    dx[1] = x[0] + 0.2 * x[1]
+    dx[2] = 0.2 + x[2] * (x[0] - p.c)
+
+
+@pytest.mark.parametrize("cuts", [[0.0, 0.17, 0.5, 0.61], [0.0, 0.25, 0.5, 0.75]])
+def test_a_doubled_orbit_is_begun_along_its_own_equations_wherever_it_is_cut(cuts):
+    """The critical deviation of Rossler's cycle changes its period, that of the doubled orbit does not."""
+    doubling = 2.832445027863
+    system = small_system(rossler, "xyz", {"c": doubling})
+    line = ParameterLine.of(system, system.defaults(), "c")
+    given = cw.Discretization(scheme="collocation")
+    problem, z = orbit_at(system, line, doubling, np.array(START), PERIOD, discretization=given)
+    begun = [carried_to(problem, z, np.zeros(len(z)), cut)[0] for cut in cuts]
+    z = problem.laid_out(np.array(begun), problem.scalars(z), np.array(cuts))
+    problem = problem.adapted_to(z, problem.laid_out(np.full((4, 3), 8.0), np.array([6.0, 3.0]), 1.0), 1e-10)
+    for _ in range(4):
+        here = problem.linearize(z)
+        z = z - np.append(np.linalg.solve(here.jacobian[:, :-1], here.residual), 0.0)
+    (seed,) = problem.doubled_from(z)
+    along = seed.tangent / np.linalg.norm(seed.tangent)
+    assert np.abs(seed.problem.linearize(seed.z).jacobian @ along).max() < 1e-4
