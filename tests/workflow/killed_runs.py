@@ -5,8 +5,10 @@ from __future__ import annotations
 import multiprocessing
 import os
 import random
+import shutil
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -17,30 +19,56 @@ from contwalk.workflow.runner import Reporter, run
 
 # Parts of the time of an uninterrupted process after which one is killed: early ones and late ones.
 SHORTEST, LONGEST = 0.2, 0.9
+NONE: Mapping[int, Path] = {}
 
 
-class Ending(Reporter):
+class Counting(Reporter):
+    """Numbers the reports, from 0 on."""
+
+    def __init__(self) -> None:
+        self._numbers = count()
+
+    def point(self, info, parameter, step, unstable, number):
+        self.reported(next(self._numbers))
+
+    def special(self, info, point):
+        self.reported(next(self._numbers))
+
+    def reported(self, number: int) -> None:
+        """What is done at a report."""
+
+
+class Ending(Counting):
     """Ends the process, as a kill would, at the report of a given number."""
 
     def __init__(self, number: int) -> None:
-        self._left = number
+        super().__init__()
+        self._last = number
 
-    def _count(self) -> None:
-        if self._left == 0:
+    def reported(self, number: int) -> None:
+        if number == self._last:
             os._exit(9)
-        self._left -= 1
-
-    def point(self, info, parameter, step, unstable, number):
-        self._count()
-
-    def special(self, info, point):
-        self._count()
 
 
-def compute(path: Path, overrides: Sequence[str], output: Path, number: int = -1) -> None:
-    """A run that goes on with what there is; ended at the report of this number."""
+class Copying(Counting):
+    """Keeps what a process that is killed at some reports leaves: the file as it is on disk then."""
+
+    def __init__(self, output: Path, copies: Mapping[int, Path]) -> None:
+        super().__init__()
+        self._output, self._copies = output, copies
+
+    def reported(self, number: int) -> None:
+        if number in self._copies:
+            shutil.copyfile(self._output, self._copies[number])
+
+
+def compute(
+    path: Path, overrides: Sequence[str], output: Path, number: int = -1, copies: Mapping[int, Path] = NONE
+) -> None:
+    """A run that goes on with what there is; ended at the report of this number, or copied at some."""
     run_file = read_run_file(path, overrides, str(output))
-    run(run_file, resume=True, figures=False, reporter=Ending(number))
+    reporter = Copying(output, copies) if copies else Ending(number)
+    run(run_file, resume=True, figures=False, reporter=reporter)
 
 
 class Runs:
@@ -61,8 +89,10 @@ class Runs:
             ["contwalk.workflow.runner", "contwalk.workflow.run_file.reading"]
         )
 
-    def start(self, output: str, number: int = -1) -> multiprocessing.Process:
-        given = self.path, self.overrides, self.folder / output, number
+    def start(
+        self, output: str, number: int = -1, copies: Mapping[int, Path] = NONE
+    ) -> multiprocessing.Process:
+        given = self.path, self.overrides, self.folder / output, number, copies
         process = self.context.Process(target=compute, args=given)
         process.start()
         return process
@@ -72,6 +102,16 @@ class Runs:
         process = self.start(output, number)
         process.join()
         return process.exitcode
+
+    def left(self, numbers: Iterable[int]) -> list[str]:
+        """What runs that end at the reports of these numbers leave, all of one run; names of the files."""
+        copies = {number: self.folder / f"ended_{number}.h5" for number in numbers}
+        process = self.start("copied.h5", copies=copies)
+        process.join()
+        assert process.exitcode == 0
+        assert_same(self.folder / "whole.h5", self.folder / "copied.h5")
+        assert all(path.exists() for path in copies.values())
+        return [path.name for path in copies.values()]
 
     def whole(self) -> float:
         """Run without interruption into whole.h5; seconds that the process took."""
