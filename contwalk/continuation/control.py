@@ -11,6 +11,8 @@ from contwalk.problems.problem import Sample
 GROWTH, DECAY = 1.6, 0.3
 # Shrinking after a failure: fast where the step is small already.
 SHRINK, PLUNGE, SMALL = 0.4, 0.1, 1e-6
+# Part of its slope by which a parabola's end may differ.
+PARABOLIC = 0.1
 # How far towards a jump a step goes, and which part of a step counts as near.
 BEFORE, NEAR = 0.99, 0.25
 
@@ -33,6 +35,20 @@ def bend(a: Sample, z: np.ndarray, tangent: np.ndarray) -> float:
     u, v = a.tangent / a.weights, tangent / a.weights
     mean = 0.5 * (u / np.linalg.norm(u) + v / np.linalg.norm(v))
     return float(np.linalg.norm(chord / np.linalg.norm(chord) - mean))
+
+
+def is_parabola(a: Sample, z: np.ndarray, tangent: np.ndarray) -> bool:
+    """Whether an arc from `a` goes as z_a + h t + h^2 q / 2: where it ends and its tangent there agree.
+
+    z, where it ends, and the tangent there have the shape (N + 1,).
+    """
+    along, chord, there = a.tangent / a.weights, (z - a.z) / a.weights, tangent / a.weights
+    along = along / np.linalg.norm(along)
+    h, ahead = float(along @ chord), float(along @ there)
+    if not (h > 0.0 and ahead > 0.0):
+        return False
+    bent, turned = chord / h - along, there / ahead - along
+    return bool(np.linalg.norm(turned - 2.0 * bent) <= PARABOLIC * np.linalg.norm(turned))
 
 
 def next_step(length: float, angle: float, iterations: int, settings: Settings) -> float:

@@ -33,8 +33,14 @@ TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
 # How far from a branch point that a walk begins at its side is looked at, in parts of the first step, where
 # equations are exact.
 BESIDE = 1e-4
+# A step from a branch point is lost in the error of where it ends, if that is a larger part of it.
+BLURRED = 0.1
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
+
+
+class Parabola(TooLong):
+    """The branch turns too much within a step from a branch point, as the parabola does that it is there."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +74,10 @@ def take_step(
     """The longest step from here that converges, turns little, and on which the tests agree."""
     length = min(state.step, settings.max_step)
     edge: tuple[str, Explanation] | None = None  # where a field ends ahead: the reason, whatever stops later
+    turning: list[
+        float
+    ] = []  # steps from a branch point on which the branch is a parabola that turns too much
+    turns = False
     while True:
         smallest = length <= settings.min_step
         length = max(length, settings.min_step)
@@ -85,7 +95,10 @@ def take_step(
             reason, explanation = "plugin_error", kinks_passed.refusal(problem, jump)
         elif correction.ok:
             try:
-                segment = _segment(state, prediction, correction, settings, smallest)
+                segment = _segment(state, prediction, correction, settings, smallest or turns)
+                if turning and segment.b.error > BLURRED * length:
+                    length, turns = turning.pop(), True
+                    continue
                 segment = kinks_passed.with_kinks(segment, passed)
                 if outcome := segment.problem.diagnosis.ended(segment.a, segment.b):
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
@@ -97,6 +110,9 @@ def take_step(
                 if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
                     found += at_the_end(segment)
                 return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
+            except Parabola as error:
+                turning.append(length)
+                explanation = str(error)
             except (TooLong, LostBranch) as error:
                 explanation = str(error)
             except np.linalg.LinAlgError:
@@ -120,6 +136,7 @@ def take_step(
             if jump is None
             else kinks_passed.jump(kinks_passed.between(problem, state, prediction.guess))
         )
+        turns = False
         length = control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
 
 
@@ -218,7 +235,8 @@ def _check_shape(
     angle = control.turn(a, tangent)
     moved = norm_in(z - prediction.guess, a.weights)
     if angle > settings.max_angle or moved > 0.5 * prediction.length:
-        raise TooLong(f"The branch turns by {angle:.0f} degrees in one step.")
+        parabola = a.orientation == 0.0 and not prediction.to_bound and control.is_parabola(a, z, tangent)
+        raise (Parabola if parabola else TooLong)(f"The branch turns by {angle:.0f} degrees in one step.")
     if control.bend(a, z, tangent) > max(0.25 * np.radians(angle), 0.02):
         raise TooLong("The step does not lie along the branch: it may have left it for another one.")
 

@@ -55,6 +55,17 @@ def test_the_bend_of_an_arc_is_an_eighth_of_the_square_of_its_turn():
         assert control.bend(a, b.z, b.tangent) == pytest.approx(turn**2 / 8.0, rel=1e-2)
 
 
+def test_an_arc_from_a_branch_point_is_a_parabola_or_goes_elsewhere():
+    fold = parabola()
+    begin = here(fold, (0.0, 0.0), (1.0, 0.0)).sample
+    h = 0.8
+    assert control.turn(begin, np.array([1.0, 2.0 * h])) > 50.0
+    assert control.is_parabola(begin, np.array([h, h**2]), np.array([1.0, 2.0 * h]))
+    # The slope of another branch, and a branch behind.
+    assert not control.is_parabola(begin, np.array([h, h**2]), np.array([1.0, 1.5 * h]))
+    assert not control.is_parabola(begin, np.array([-h, h**2]), np.array([1.0, -2.0 * h]))
+
+
 def test_a_step_onto_a_parallel_line_bends():
     """The tangents are the same; the chord is at 45 degrees to both."""
     a = line(lambda z: [-1.0]).sample((0.0, 0.0), (0.0, 1.0))

@@ -218,7 +218,12 @@ def bare(problem: DiscretizedOrbit, vector: np.ndarray) -> np.ndarray:
 
 
 def recut(problem: Kind, sample: Sample) -> tuple[Kind, Sample] | None:
-    """The same solution on twice as many segments, corrected there; None where that does not converge."""
+    """The same solution on twice as many segments, corrected there; None where that does not converge.
+
+    Nor at a branch point, where the equations tell neither the place nor the way.
+    """
+    if sample.orientation == 0.0:
+        return None
     cuts, z = 2 * problem.cuts, sample.z
     there = filled(problem, bare(problem, z), cuts, problem, z)
     finer = problem.cut_into(cuts)

@@ -162,8 +162,7 @@ def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample
     weights = problem.laid_out(np.tile(states, len(cuts)), sample.weights[scalars], 1.0)
     finer = _remeshed(problem, there, weights, mesh)
     tangent = finer.into_section(there, tangent)
-    again = finer.examine(there, tangent, weights, finer.linearize(there), sample.unstable)
-    return finer, replace(again, iterations=sample.iterations)
+    return finer, _examined(finer, there, tangent, weights, sample)
 
 
 def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple[Kind, Sample]:
@@ -193,8 +192,19 @@ def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple
         weights = problem.laid_out(np.tile(states, len(cuts)), weights[scalars], 1.0)
     begun = _remeshed(problem, there, weights, mesh)
     tangent = begun.into_section(there, tangent)
-    again = begun.examine(there, tangent, weights, begun.linearize(there), sample.unstable)
-    return begun, replace(again, iterations=sample.iterations)
+    return begun, _examined(begun, there, tangent, weights, sample)
+
+
+def _examined(
+    problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, sample: Sample
+) -> Sample:
+    """What is watched at the same solution in other segments; a branch point that a walk begins at stays one.
+
+    All have the shape (N + 1,).
+    """
+    again = problem.examine(z, tangent, weights, problem.linearize(z), sample.unstable)
+    orientation = 0.0 if sample.orientation == 0.0 else again.orientation
+    return replace(again, iterations=sample.iterations, orientation=orientation)
 
 
 def _remeshed(problem: Kind, z: np.ndarray, weights: np.ndarray, mesh: Mesh | None) -> Kind:
@@ -212,10 +222,13 @@ def closed(problem: AnyOrbit, rough: Sample) -> tuple[AnyOrbit, Sample] | None:
 
     Where deviations grow, what was a solution on other steps is none on these: its gap is the error of both,
     times the growth. The parameter stays, as at an end of its range it must, unless the branch turns there.
+    At a branch point nothing is: the equations tell neither where it is nor which way a branch goes.
     """
     linearization = problem.linearize(rough.z)
     if linearization.finite and linearization.excess <= CLOSED:
         return problem, rough
+    if rough.orientation == 0.0:
+        return None
     along, z, before = rough.tangent / rough.weights**2, rough.z, np.inf
     held = abs(rough.tangent[-1] / rough.weights[-1]) > STEEP
     normal = np.append(np.zeros(len(z) - 1), 1.0 / rough.weights[-1]) if held else along
