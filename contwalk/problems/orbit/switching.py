@@ -95,14 +95,18 @@ def _followed(
 
 
 def segments_over(problem: SegmentedOrbit, z: np.ndarray, times: int) -> int:
-    """Number of segments of an orbit that follows a closure several times: no fewer to each than it has.
+    """Number of segments of an orbit that follows a closure several times: no fewer to each than it has, or
+    should have.
 
     Growth over all of them tells nothing of what grows and is forgotten within one.
 
     z has the shape (N + 1,).
     """
-    count, own = segments_for(problem, z, times), problem.mesh.segments
-    return count if problem.discretization.segments is not None or own == 1 else max(count, times * own)
+    count = segments_for(problem, z, times)
+    if problem.discretization.segments is not None:
+        return count
+    each = max(problem.mesh.segments, segments_for(problem, z))
+    return count if each == 1 else max(count, times * each)
 
 
 def _hurried(
