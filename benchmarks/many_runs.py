@@ -1,6 +1,6 @@
 """Many runs at once: whether whatever computes them leaves the same bytes; what a task costs by itself.
 
-    python benchmarks/many_runs.py same
+    python benchmarks/many_runs.py same [margins] [sample] [sweep] [starts]
     python benchmarks/many_runs.py overhead
 
 `same`: --jobs 1, 2 and 4, and dask clusters of 2 and 3 processes of which one is killed, for four studies:
@@ -63,7 +63,7 @@ SYSTEM = System(
 STUDY = """
 system: ./beside_a_wall.py
 start: {{equilibrium: {start}}}
-continue: {{parameter: zeta, range: [-0.3, 0.3], max_points: 60}}
+continue: {{parameter: zeta, range: [-0.3, 0.3], max_points: 20}}
 diagram: {{follow: [HB], depth: 1}}
 {more}
 """
@@ -164,22 +164,23 @@ STUDIES: dict[str, Callable[..., list[bytes]]] = {
     "margins": stored_margins,
     "sample": stored_samples,
     "sweep": stored_branches("sweep.yaml"),
-    "several starts": stored_branches("starts.yaml"),
+    "starts": stored_branches("starts.yaml"),
 }
 
 
-def same() -> int:
-    """Compare; the exit code is the number of studies that differ."""
+def same(names: list[str]) -> int:
+    """Compare; the exit code is the number of computations that differ."""
     sampling.PART = 50  # so that a cluster has something to lose
     differing = 0
-    for name, stored in STUDIES.items():
-        one = stored("1.h5")
+    for name in names:
+        stored = STUDIES[name]
+        one = stored(f"{name}-1.h5")
         print(f"{name}: {len(one)} arrays and files, {sum(map(len, one))} bytes")
         for jobs in (2, 4):
-            differing += _told(f"--jobs {jobs}", stored(f"{jobs}.h5", jobs=jobs) == one)
+            differing += _told(f"--jobs {jobs}", stored(f"{name}-{jobs}.h5", jobs=jobs) == one)
         for processes in (2, 3):
             with cluster(processes) as executor:
-                found = stored(f"c{processes}.h5", executor=executor)
+                found = stored(f"{name}-c{processes}.h5", executor=executor)
             differing += _told(f"cluster of {processes}, one killed", found == one)
     return differing
 
@@ -227,15 +228,16 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("what", choices=("same", "overhead"))
-    what = parser.parse_args().what
+    parser.add_argument("studies", nargs="*", default=list(STUDIES), metavar="study", help=", ".join(STUDIES))
+    given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         Path("beside_a_wall.py").write_text(PLUGIN, encoding="utf-8")
         for name, text in FILES.items():
             Path(name).write_text(text, encoding="utf-8")
-        if what == "overhead":
+        if given.what == "overhead":
             return overhead()
         run(read_run_file("rest.yaml", (), "rest.h5"), figures=False)
-        return same()
+        return same(given.studies)
 
 
 if __name__ == "__main__":
