@@ -39,8 +39,6 @@ def test_runs_ended_beside_special_points_go_on_to_the_same_diagram(runs):
     # Reports: the rows of a branch, and the ends of it that have none of their own.
     birth = len(first) + sum(p.label == "EP" for p in first.special_points)
     own = [birth + i for i, special in enumerate(second["special"]) if special]
-    for number in (1, birth + 1, own[0], own[-1] + 1):
-        output = f"ended_{number}.h5"
-        assert runs.ended(output, number) == 9
+    for output in runs.left((1, birth + 1, own[0], own[-1] + 1)):
         assert runs.ended(output) == 0
         assert_same(runs.folder / "whole.h5", runs.folder / output)
