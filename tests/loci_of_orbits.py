@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 from small_systems import small_system
@@ -13,6 +14,8 @@ from contwalk.branch import Branch, SpecialPoint
 from contwalk.system import Mode, Parameter, State, System, Transition
 
 ACCURACY = 1e-9
+# Long steps: what is found does not depend on them.
+FINE = {"discretization": cw.Discretization(accuracy=ACCURACY), "max_step": 0.4, "max_share": 0.1}
 # Points of a branch are solved for on steps of a hundred times the accuracy of special points.
 WALKED = 100.0 * ACCURACY
 
@@ -59,6 +62,29 @@ def orbits(system: System, free: str) -> cw.PeriodicOrbit:
     return cw.PeriodicOrbit(
         system, system.defaults(), free, discretization=cw.Discretization(accuracy=ACCURACY)
     )
+
+
+def walked(
+    system: System,
+    free: str,
+    start: Sequence[float],
+    along: tuple[float, float],
+    point: str,
+    ranges: dict[str, tuple[float, float]],
+    period: float,
+) -> Branch:
+    """The curve through a special point of the branch along one parameter."""
+    branch = cw.continue_branch(orbits(system, free), start, along, period=period)
+    return cw.continue_locus(system, branch, point, ranges, **FINE)
+
+
+def studied(folder: Path, name: str, plugin: str, run: str) -> tuple[System, list[Branch], list[str]]:
+    """The system of a plugin file, the branches of a run file over it, and the notes of the run."""
+    (folder / f"{name}.py").write_text(plugin)
+    (folder / "run.yaml").write_text(run)
+    path = cw.run(cw.read_run_file(folder / "run.yaml", (), str(folder / f"{name}.h5"))).path
+    with cw.open_database(path) as db:
+        return cw.load_system(str(folder / f"{name}.py")), db.branches(), list(db.notes().values())
 
 
 def folding() -> System:

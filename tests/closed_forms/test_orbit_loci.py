@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hybrid_runs import branch_of
 from loci_of_orbits import (
-    ACCURACY,
+    FINE,
     WALKED,
     assert_at,
     cusped,
@@ -22,20 +22,13 @@ from loci_of_orbits import (
     map_as_machine,
     orbits,
     turning,
+    walked,
 )
 from small_systems import small_system
 
 import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.errors import StartError
-
-# Long steps: what is found does not depend on them.
-FINE = {"discretization": cw.Discretization(accuracy=ACCURACY), "max_step": 0.4, "max_share": 0.1}
-
-
-def walked(system, free, start, along, point, ranges, period) -> Branch:
-    branch = cw.continue_branch(orbits(system, free), start, along, period=period)
-    return cw.continue_locus(system, branch, point, ranges, **FINE)
 
 
 class TestSmoothOrbits:

@@ -10,6 +10,7 @@ import pytest
 from hybrid_runs import branch_of
 from loci_of_orbits import (
     ACCURACY,
+    FINE,
     WALKED,
     assert_at,
     folding,
@@ -19,6 +20,7 @@ from loci_of_orbits import (
     largest,
     map_as_machine,
     orbits,
+    walked,
 )
 from small_systems import small_system
 
@@ -27,7 +29,6 @@ from contwalk.branch import Branch
 from contwalk.errors import StartError
 from contwalk.system import Symmetry, System
 
-FINE = {"discretization": cw.Discretization(accuracy=ACCURACY), "max_step": 0.4, "max_share": 0.1}
 RANGES = {"lam": (-0.5, 1.0), "nu": (-0.2, 0.6)}
 
 
@@ -44,8 +45,7 @@ def beside_a_cycle(growth, **declared) -> System:
 
 
 def followed(system: System, point: str = "BP1") -> Branch:
-    branch = cw.continue_branch(orbits(system, "lam"), [1.0, 0.0, 0.0], (-0.4, 0.5), period=np.pi)
-    return cw.continue_locus(system, branch, point, RANGES, **FINE)
+    return walked(system, "lam", [1.0, 0.0, 0.0], (-0.4, 0.5), point, RANGES, np.pi)
 
 
 def test_branch_points_in_an_invariant_plane() -> None:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-
-import contwalk as cw
+from loci_of_orbits import studied
 
 # r' = r (mu + nu r^2 - r^4), phi' = 2 + 3 r^2 / 10: GH at (0, 0), folds at mu = -nu^2 / 4 for positive nu.
 PLUGIN = """
@@ -39,11 +38,7 @@ output: bautin.h5
 
 
 def test_folds_of_cycles_are_followed_from_a_generalized_hopf_point(tmp_path) -> None:
-    (tmp_path / "bautin.py").write_text(PLUGIN)
-    (tmp_path / "run.yaml").write_text(RUN)
-    path = cw.run(cw.read_run_file(tmp_path / "run.yaml", (), str(tmp_path / "bautin.h5"))).path
-    with cw.open_database(path) as db:
-        _, hopf, folds = db.branches()
+    _, (_, hopf, folds), _ = studied(tmp_path, "bautin", PLUGIN, RUN)
     facts = folds.info.settings
     assert (facts["of"], facts["of_problem"]) == ("LP", "periodic_orbit")
     assert folds.info.parent[0] == hopf.name

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from loci_of_orbits import studied
 
-import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.studies.comparison import AGREES
@@ -59,12 +57,7 @@ output: touching.h5
 
 @pytest.fixture(scope="module")
 def touching(tmp_path_factory) -> tuple[System, list[Branch], list[str]]:
-    place: Path = tmp_path_factory.mktemp("touching")
-    (place / "touching.py").write_text(TOUCHING)
-    (place / "run.yaml").write_text(RUN)
-    path = cw.run(cw.read_run_file(place / "run.yaml", (), str(place / "touching.h5"))).path
-    with cw.open_database(path) as db:
-        return cw.load_system(str(place / "touching.py")), db.branches(), list(db.notes().values())
+    return studied(tmp_path_factory.mktemp("touching"), "touching", TOUCHING, RUN)
 
 
 def test_a_grazing_curve_is_followed_from_a_curve_of_doublings(touching) -> None:
@@ -129,12 +122,7 @@ output: henon.h5
 
 def test_tori_are_followed_from_a_resonance_on_folds(tmp_path) -> None:
     """R1 at (-1, 1), tori where beta is one, R4 at alpha = 0."""
-    (tmp_path / "henon.py").write_text(HENON)
-    (tmp_path / "run.yaml").write_text(MAP)
-    path = cw.run(cw.read_run_file(tmp_path / "run.yaml", (), str(tmp_path / "henon.h5"))).path
-    with cw.open_database(path) as db:
-        _, folds, tori = db.branches()
-        notes = list(db.notes().values())
+    _, (_, folds, tori), notes = studied(tmp_path, "henon", HENON, MAP)
     assert (folds.info.settings["of"], tori.info.settings["of"]) == ("LP", "NS")
     assert {p.label for p in tori.special_points} == {"R1", "R4", "EP"}
     assert np.max(np.abs(tori["beta"] - 1.0)) < 1e-6

@@ -12,12 +12,12 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, StartError
 from contwalk.problems.hybrid import limit_points
 from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.locus.flips import Flips
 from contwalk.problems.locus.orbit_conditions import At, pair_system
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.valued_curves import KINDS, BranchPoints, SymmetryBreakings, marked_at
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.points.fold import fold_system
-from contwalk.problems.orbit.points.period_doubling import flip_system
 from contwalk.quantities import COSINE
 
 
@@ -43,24 +43,10 @@ class Folds(OrbitCurve):
 
 
 @dataclass(frozen=True)
-class Doublings(OrbitCurve):
-    """Period doublings: a multiplier minus one."""
+class Doublings(Flips):
+    """Period doublings."""
 
     of = "PD"
-
-    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
-        """L(-1) is singular.
-
-        `further` has the shape (k,).
-        """
-        return flip_system(orbit, near)
-
-    def critical(self, further: np.ndarray) -> np.ndarray:
-        """Minus one.
-
-        `further` has the shape (k,).
-        """
-        return np.array([complex(-1.0)])
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,10 @@ import numpy as np
 from contwalk import quantities
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
+from contwalk.problems.locus.flips import Flips
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.valued import Valued, Values
-from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.orbit.points.period_doubling import flip_system
 from contwalk.quantities import PERIOD
 
 
@@ -32,24 +31,10 @@ class NamedCurve(OrbitCurve):
 
 
 @dataclass(frozen=True)
-class SymmetryBreakings(NamedCurve):
+class SymmetryBreakings(NamedCurve, Flips):
     """Half a symmetric orbit has a multiplier minus one: the whole loses its symmetry."""
 
     of, name = "BP", "symmetry-breaking"
-
-    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
-        """L(-1) is singular.
-
-        `further` has the shape (k,).
-        """
-        return flip_system(orbit, near)
-
-    def critical(self, further: np.ndarray) -> np.ndarray:
-        """Minus one.
-
-        `further` has the shape (k,).
-        """
-        return np.array([complex(-1.0)])
 
 
 @dataclass(frozen=True)

@@ -35,9 +35,10 @@ class VanishingCubic(OrbitLocusPoint):
         Of area-preserving maps it is zero all along, and signs of errors tell nothing.
         """
         there, own = problem.plane.first(sample.z)
-        if _drowned(there.return_map(own)):
+        map_ = there.return_map(own)
+        if _drowned(map_):
             return float("nan")  # what is unknown is not zero
-        found, mesh = self._regular(problem, sample.z), problem.mesh
+        found, mesh = self._without_poles(problem, sample.z, map_), problem.mesh
         return found if abs(found) > max(VANISHES, GLOBAL * mesh.amplified * mesh.tolerance) else 0.0
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
@@ -51,8 +52,9 @@ class VanishingCubic(OrbitLocusPoint):
     def _regular(self, problem: Any, z: np.ndarray) -> float:
         there, own = problem.plane.first(z)
         map_ = there.return_map(own)
-        if _drowned(map_):
-            return float("nan")
+        return float("nan") if _drowned(map_) else self._without_poles(problem, z, map_)
+
+    def _without_poles(self, problem: Any, z: np.ndarray, map_: SectionMap) -> float:
         values = np.linalg.eigvals(map_.a)
         factor = np.prod((1.0 - values) / (1.0 + np.abs(values)))
         for value in self.colliding(problem, z):
