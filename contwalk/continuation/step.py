@@ -100,7 +100,8 @@ def take_step(
                     length, turns = turning.pop(), True
                     continue
                 segment = kinks_passed.with_kinks(segment, passed)
-                if outcome := segment.problem.diagnosis.ended(segment.a, segment.b):
+                outcome = segment.problem.diagnosis.ended(segment.a, segment.b)
+                if outcome and not (outcome.reason == "unbounded" and _towards_a_bound(segment.b, settings)):
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
                         raise TooLong("The orbit shrinks to nothing within the step.")
                     return outcome
@@ -165,6 +166,14 @@ def predict(state: ContinuationState, length: float, settings: Settings) -> Pred
     normal = np.zeros(len(guess))
     normal[place] = 1.0 / sample.weights[place]
     return Prediction(guess, normal, left, place)
+
+
+def _towards_a_bound(sample: Sample, settings: Settings) -> bool:
+    """Whether what a branch moves along most is a parameter, towards an end of its range: no running off."""
+    moved = np.abs(sample.tangent) / sample.weights
+    place = int(np.argmax(moved[:-1])) - len(moved)
+    ends = settings.bounds.get(place)
+    return ends is not None and bool(np.isfinite(ends[1] if sample.tangent[place] > 0.0 else ends[0]))
 
 
 def _nearest_bound(sample: Sample, settings: Settings) -> tuple[float, int, float]:

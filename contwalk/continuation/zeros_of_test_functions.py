@@ -21,6 +21,9 @@ NARROWER = 12
 NEAR_ZERO = 0.1
 # The same where values are those beside solutions.
 DOUBTFUL = 0.3
+# A bracket of a change of sign is halved so often; at a pole both values then are so many times the first
+# ones, and none of them has ever fallen below this part of the first one of its side.
+HALVINGS, GROWN, SHRUNK = 24, 100.0, 0.5
 
 
 def zeros_of_test_functions(segment: Segment) -> list[Found]:
@@ -50,6 +53,8 @@ def _of_kind(segment: Segment, kind: PointType) -> list[Found]:
     for (low, first), (high, last) in pairwise(sorted(known.items())):
         if not (first * last < 0.0 or (last == 0.0 and first != 0.0)):
             continue
+        if last != 0.0 and _is_pole(value, (low, high), (first, last)):
+            continue
         found = locate(segment, kind, low, high, value, 0, (first, last))
         if found is None:
             raise Disagreement(
@@ -57,6 +62,25 @@ def _of_kind(segment: Segment, kind: PointType) -> list[Found]:
             )
         points.append(found)
     return points
+
+
+def _is_pole(
+    value: Callable[[float], float], places: tuple[float, float], values: tuple[float, float]
+) -> bool:
+    """Whether a function changes its sign between two places because it has a pole there.
+
+    The nearer to a pole, the larger it is; the nearer to a zero, the smaller.
+    """
+    (low, high), beside = places, list(values)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        here = value(middle)
+        side = 0 if here * beside[0] > 0.0 else 1
+        if not abs(here) > SHRUNK * abs(values[side]):
+            return False
+        beside[side] = here
+        low, high = (middle, high) if side == 0 else (low, middle)
+    return min(map(abs, beside)) > GROWN * max(map(abs, values))
 
 
 def _may_pass(segment: Segment, kind: PointType) -> bool:

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.numerics.linear import balanced
+from contwalk.numerics.linear import EPSILON, balanced
 from contwalk.problems.locus.plane import FloatPlace, Place
 
 # Gives of a square matrix the function that applies its inverse.
@@ -57,9 +57,12 @@ class Critical:
         return self.right[0]
 
 
-def zero_borders(matrix: np.ndarray) -> Borders:
-    """Borders for a zero eigenvalue of F_u, shape (N, N), from its singular vectors in balanced units."""
-    scaled, d = balanced(matrix)
+def zero_borders(matrix: np.ndarray, units: np.ndarray | None = None) -> Borders:
+    """Borders for a zero eigenvalue of F_u, shape (N, N), from its singular vectors.
+
+    These are taken in balanced units, or in given ones, shape (N,): near an invariant face balance is lost.
+    """
+    scaled, d = balanced(matrix) if units is None else (matrix * units / units[:, None], units)
     u, _, vh = np.linalg.svd(scaled)
     return _borders(vh[-1], u[:, -1], d)
 
@@ -175,10 +178,20 @@ def levels(place: FloatPlace, found: Critical, kappa: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class CrossingBorders:
-    """A column, shape (M,), and two rows, shape (2, M + 1), for a matrix of shape (M, M + 1)."""
+    """A column, shape (M,), and two rows, shape (2, M + 1), for a matrix of shape (M, M + 1).
+
+    `dual`, shape (M,), takes the column to one; `least` is the rounding of what it makes of equations with
+    terms as large as they are told to be.
+    """
 
     column: np.ndarray
     rows: np.ndarray
+    dual: np.ndarray
+    least: float
+
+    def rounding(self, levels: np.ndarray) -> float:
+        """What roundings of the first k equations, shape (k,), could pass for an unfolding."""
+        return self.least + float(np.abs(self.dual[: len(levels)]) @ levels)
 
 
 @dataclass(frozen=True)
@@ -199,9 +212,12 @@ def crossing_borders(jacobian: np.ndarray, rows: np.ndarray, weights: np.ndarray
     `rows` are the sizes of the equations' terms, shape (M,), and `weights` magnitudes of the unknowns, shape
     (M + 1,). A row that is nothing but rounding must not be scaled by itself.
     """
-    u, _, vh = np.linalg.svd(jacobian * weights / rows[:, None])
+    scaled = jacobian * weights / rows[:, None]
+    u, _, vh = np.linalg.svd(scaled)
     left = u[:, -1] * np.sign(u[np.argmax(np.abs(u[:, -1])), -1])
-    return CrossingBorders(left * rows, vh[-2:] / weights)
+    terms = np.maximum(np.abs(scaled).max(axis=1), 1.0)
+    least = EPSILON * float(np.max(np.abs(left) * terms))
+    return CrossingBorders(left * rows, vh[-2:] / weights, left / rows, least)
 
 
 def deficient(jacobian: np.ndarray, borders: CrossingBorders, solver: Solver) -> Deficient:

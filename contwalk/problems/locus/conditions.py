@@ -172,9 +172,15 @@ def along_first(q: np.ndarray) -> np.ndarray:
     return np.concatenate([q[:-1], zero, q[-1:]])
 
 
-def branch_point_borders(plane: Plane, z: np.ndarray) -> CrossingBorders:
-    """Borders for branch points along the first parameter near z, shape (N + 2,)."""
+def branch_point_borders(plane: Plane, z: np.ndarray, units: np.ndarray | None = None) -> CrossingBorders:
+    """Borders for branch points along the first parameter near z, shape (N + 2,).
+
+    Their vectors are taken in balanced units, or in given ones of the unknowns and that parameter, shape
+    (N + 1,): near an invariant face balance is lost.
+    """
     jacobian = _by_first(plane.jacobian(z))
+    if units is not None:
+        return bordered.crossing_borders(jacobian, units[:-1], units)
     scaled, d = balanced(jacobian[:, :-1])
     last = float(np.abs(jacobian[:, -1] / d).max())
     size = float(np.abs(scaled).max())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,8 +15,7 @@ from contwalk.problems.angles import whole_turns
 from contwalk.problems.capabilities import OwnMeasures, OwnPlace
 from contwalk.problems.equilibrium.sampling import sampled
 from contwalk.problems.linearization import Linearization
-from contwalk.problems.locus.bordered import zero_borders
-from contwalk.problems.locus.conditions import Augmented, Zero
+from contwalk.problems.locus.conditions import Augmented
 from contwalk.problems.locus.curves import Curve
 from contwalk.problems.locus.diagnosis import LocusDiagnosis
 from contwalk.problems.locus.plane import Plane
@@ -69,11 +67,6 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
     def diagnosis(self) -> LocusDiagnosis:
         """What is known of places where a curve ends, or cannot go on."""
         return LocusDiagnosis(self)
-
-    @cached_property
-    def zero(self) -> Zero:
-        """The condition of a zero eigenvalue, which elsewhere is a function that vanishes at one."""
-        return Zero(zero_borders(self.plane.jacobian(self.near)[:, : self.plane.size]))
 
     # -- unknowns --------------------------------------------------------------------------------------------
 

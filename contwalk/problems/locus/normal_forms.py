@@ -23,8 +23,8 @@ from contwalk.problems.locus.plane import FloatPlace, Place, Plane
 
 
 def root(kappa: Any) -> Any:
-    """The frequency of a kappa, in its own arithmetic."""
-    return kappa**0.5
+    """The frequency of a kappa, in its own arithmetic; NaN of a neutral saddle."""
+    return kappa**0.5 if kappa >= 0 else float("nan")
 
 
 def at_frequency(found: Critical, omega: Any) -> tuple[np.ndarray, np.ndarray]:

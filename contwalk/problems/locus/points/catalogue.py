@@ -15,12 +15,26 @@ from contwalk.problems.locus.points.generalized_hopf import GeneralizedHopf
 from contwalk.problems.locus.points.marked_value import EndPoint, MarkedValue
 from contwalk.problems.locus.points.on_marked import FoldOnIt, HopfOnIt
 from contwalk.problems.locus.points.point import LocusPoint
-from contwalk.problems.locus.points.zero_hopf import PairOnBranchPoint, PairOnFold, ZeroOnHopf
+from contwalk.problems.locus.points.zero_hopf import (
+    PairOnBranchPoint,
+    PairOnFold,
+    ZeroOnHopf,
+    ZeroWhereCurvesCross,
+)
 
-_OF_ALL = (Crossing(), MarkedValue(), EndPoint())
+_MARKS = (MarkedValue(), EndPoint())
+_OF_ALL = (Crossing(), *_MARKS)
 POINT_TYPES: dict[str, tuple[LocusPoint, ...]] = {
     "LP": (Cusp(), SecondZero(), PairOnFold(), *_OF_ALL),
     "BP": (SecondZeroOnBranchPoints(), PairOnBranchPoint(), *_OF_ALL),
     "UZ": (FoldOnIt(), HopfOnIt(), *_OF_ALL),
-    "HB": (VanishingFrequency(), GeneralizedHopf(), ZeroOnHopf(), DoubleHopf(), CountChange(), *_OF_ALL),
+    "HB": (
+        VanishingFrequency(),
+        GeneralizedHopf(),
+        ZeroOnHopf(),
+        DoubleHopf(),
+        CountChange(),
+        ZeroWhereCurvesCross(),
+        *_MARKS,
+    ),
 }

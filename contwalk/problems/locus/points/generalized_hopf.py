@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
+import numpy as np
+
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import Critical
@@ -21,14 +23,16 @@ class GeneralizedHopf(LocusPoint):
     label, test = "GH", Test.VALUE
 
     def value(self, problem: Any, sample: Sample) -> float:
-        """The first Lyapunov coefficient without its pole at a zero eigenvalue; NaN of neutral saddles."""
+        """The first Lyapunov coefficient; NaN of neutral saddles, and at zero eigenvalues: poles."""
         kappa = problem.kappa(sample.z)
         if not kappa > 0.0:
             return float("nan")
         place = FloatPlace(problem.plane, problem.in_plane(sample.z))
         found: Critical = problem.augmented.told(place, [kappa])[0]
-        zero = float(problem.zero.told(place, 0.0).values[0])
-        return zero * float(lyapunov_numerator(place, found, kappa))
+        try:
+            return float(lyapunov_numerator(place, found, kappa))
+        except np.linalg.LinAlgError:
+            return float("nan")  # at a zero eigenvalue itself
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The generalized Hopf point near a sample."""

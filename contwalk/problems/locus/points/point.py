@@ -36,7 +36,7 @@ class LocusPoint(EquilibriumPoint):
         told = located.vectors.get("errors")
         if told:
             return dict(told)
-        known = np.nan_to_num(sample.error) * sample.weights
+        known = np.nan_to_num(sample.error, posinf=1.0) * sample.weights
         first, second = float(located.error), float(max(known[-2], np.spacing(abs(located.z[-2]))))
         return {problem.free: first, str(problem.plane.second): second}
 
@@ -99,19 +99,16 @@ def _is_pair(condition: Condition) -> bool:
     return condition.unknowns > 0 and condition.unfolding is None
 
 
-def _unfolding(plane: Plane, z: np.ndarray, column: np.ndarray) -> float:
-    """What roundings of the equations at z, shape (N + 2,), could pass for an unfolding along a column."""
-    levels, some = plane.linearize(z).levels[0], column != 0.0
-    return float(np.max(levels[some] / np.abs(column[some])))
+def _unfolding(plane: Plane, z: np.ndarray, condition: Any) -> float:
+    """What roundings of the equations at z, shape (N + 2,), could pass for a branch point's unfolding."""
+    return float(condition.borders.rounding(plane.linearize(z).levels[0]))
 
 
 def _own_scales(augmented: Augmented, z: np.ndarray, own: Sequence[float]) -> list[float]:
     """Magnitudes of the conditions' own unknowns."""
     conditions = [condition for condition in augmented.conditions if condition.unknowns]
     return [
-        max(abs(value), 1e-300)
-        if condition.unfolding is None
-        else max(_unfolding(augmented.plane, z, condition.unfolding), 1e-300)
+        max(abs(value), 1e-300) if condition.unfolding is None else _unfolding(augmented.plane, z, condition)
         for condition, value in zip(conditions, own, strict=True)
     ]
 
@@ -120,7 +117,6 @@ def _unfolded(augmented: Augmented, z: np.ndarray, own: np.ndarray) -> bool:
     """Whether what F is moved by is nothing but rounding at a solution."""
     conditions = [condition for condition in augmented.conditions if condition.unknowns]
     return all(
-        condition.unfolding is None
-        or abs(value) <= NOTHING * _unfolding(augmented.plane, z, condition.unfolding)
+        condition.unfolding is None or abs(value) <= NOTHING * _unfolding(augmented.plane, z, condition)
         for condition, value in zip(conditions, own, strict=True)
     )

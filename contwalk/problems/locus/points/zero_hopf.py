@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.points.point import Form
@@ -11,6 +14,8 @@ from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.conditions import Augmented, Pair, Zero
 from contwalk.problems.locus.curves import FOLDS, HOPF_POINTS
 from contwalk.problems.locus.normal_forms import zero_hopf_coefficients
+from contwalk.problems.locus.points.crossing import Crossing
+from contwalk.problems.locus.points.persisting import KIND, NOTE, better, branch_point, persists
 from contwalk.problems.locus.points.point import LocusPoint, born, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
@@ -29,14 +34,27 @@ class ZeroHopf(LocusPoint):
         plane, kappa = problem.plane, self.frequency_squared(problem, sample, which)
         if not kappa > 0.0:
             return None
-        matrix = plane.jacobian(problem.in_plane(sample.z))[:, : plane.size]
-        conditions = Pair(pair_borders(matrix, plane.finite, kappa)), Zero(zero_borders(matrix))
-        return located_by(problem, Augmented(plane, conditions), sample, [kappa], positive=True)
+        z = problem.in_plane(sample.z)
+        matrix = plane.jacobian(z)[:, : plane.size]
+        pair = Pair(pair_borders(matrix, plane.finite, kappa))
+        both = Augmented(plane, (pair, Zero(zero_borders(matrix))))
+        found = located_by(problem, both, sample, [kappa], positive=True)
+        return better(sample, found, _where_curves_cross(problem, sample, kappa))
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """s, theta and the sign of E."""
         kappa = float(located.vectors["own"][0])
-        return None, None, zero_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappa), None
+        numbers = zero_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappa)
+        return (KIND, None, numbers, NOTE) if persists(located) else (None, None, numbers, None)
+
+
+def _where_curves_cross(problem: Any, sample: Sample, kappa: float) -> Located | None:
+    """The point near a sample at which a branch point that persists has a pair."""
+    plane = problem.plane
+    matrix = plane.jacobian(problem.in_plane(sample.z))[:, : plane.size]
+    pair = Pair(pair_borders(matrix, plane.finite, kappa))
+    crossing = Augmented(plane, (pair, branch_point(problem, sample)))
+    return located_by(problem, crossing, sample, [kappa, 0.0], positive=True)
 
 
 class PairOnFold(ZeroHopf):
@@ -84,6 +102,10 @@ class ZeroOnHopf(ZeroHopf):
 
     changes = (-1, 1)
 
+    def has(self, point: SpecialPoint) -> bool:
+        """A zero-Hopf point that a curve of folds passes."""
+        return point.label == self.label and point.kind != KIND
+
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:
         """A real eigenvalue, where the curve's own pair is imaginary."""
         return bool(sample.eigenvalues[which].imag == 0.0) and problem.kappa(sample.z) > 0.0
@@ -95,3 +117,26 @@ class ZeroOnHopf(ZeroHopf):
     def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
         """Of the curve's own pair."""
         return float(problem.kappa(sample.z))
+
+
+class ZeroWhereCurvesCross(Crossing):
+    """On a curve of Hopf points: at a branch point that persists, that of the other branch crosses."""
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The zero-Hopf point near a sample, or a crossing of neutral saddles."""
+        kappa = float(problem.kappa(sample.z))
+        found = _where_curves_cross(problem, sample, kappa) if kappa > 0.0 else None
+        return found or super().locate(problem, sample, which)
+
+    def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a zero-Hopf point; of neutral saddles that of a crossing."""
+        kappa = float(problem.kappa(located.z))
+        if not kappa > 0.0:
+            return super().describe(problem, located, sample, s)
+        vectors = {**located.vectors, "own": np.array([kappa]), "augmented": problem.augmented}
+        record = ZeroOnHopf().describe(problem, replace(located, vectors=vectors), sample, s)
+        return replace(record, kind=KIND, note=NOTE)
+
+    def has(self, point: SpecialPoint) -> bool:
+        """A crossing, told as one or as the zero-Hopf point that it is."""
+        return super().has(point) or (point.label == "ZH" and point.kind == KIND)

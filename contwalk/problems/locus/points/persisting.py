@@ -1,0 +1,40 @@
+"""Points at which branches cross for good, as on an invariant face: there F_u q = 0 is no fold.
+
+Beside a branch point that persists [F_u F_first F_second] has deficient rank: with the condition of a fold
+the equations of a cusp or of a zero-Hopf point are singular, and Newton's method creeps or gets nowhere. With
+the branch point's own condition, and F + mu b for F, they are regular; where there is none, mu is not zero.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contwalk.problems.locus.conditions import BranchPoint, branch_point_borders
+from contwalk.problems.problem import Located, Sample
+
+# How near to the creeping solution the regular one is, in typical magnitudes.
+THERE = 1e-4
+# What such a zero-Hopf point or cusp is told as.
+KIND = "branch point"
+NOTE = "the zero eigenvalue is that of a branch point that persists, not of a fold"
+
+
+def branch_point(problem: Any, sample: Sample) -> BranchPoint:
+    """The condition of a branch point that persists, with borders for a sample of a curve."""
+    units = np.append(sample.weights[: problem.plane.size], sample.weights[-1])
+    return BranchPoint(branch_point_borders(problem.plane, problem.in_plane(sample.z), units))
+
+
+def better(sample: Sample, found: Located | None, crossing: Located | None) -> Located | None:
+    """A point near a sample by a fold's condition, or by a branch point's if there is one."""
+    if found is None or crossing is None:
+        return found or crossing
+    apart = np.abs(found.z - crossing.z) / sample.weights
+    return crossing if np.max(apart) < THERE else found
+
+
+def persists(located: Located) -> bool:
+    """Whether a point was located by a branch point's condition."""
+    return any(isinstance(condition, BranchPoint) for condition in located.vectors["augmented"].conditions)

@@ -1,0 +1,84 @@
+"""Curves where branches cross whatever the parameters are, as on a face, and curves that level off."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from small_systems import small_problem
+
+import contwalk as cw
+from contwalk.branch import Branch, SpecialPoint
+
+
+def face(t, x, p, dx):
+    """Hopf points where mu = 0 on z = 0 and where mu = -lam / 2 beside it; they cross where lam = 0.
+
+    Beside the face the amplitude moves z by 0.6 r^2, and the first Lyapunov coefficient is negative on both.
+    """
+    r = x[0] ** 2 + x[1] ** 2
+    growth = p.mu + 0.5 * x[2] - r
+    dx[0] = growth * x[0] - 2.0 * x[1]
+    dx[1] = 2.0 * x[0] + growth * x[1]
+    dx[2] = x[2] * (p.lam - x[2] + 0.6 * r)
+
+
+def touching(t, x, p, dx):
+    """Folds where m = -a^2 / 4, x = a / 2, which touch the transcritical points where x = m = 0."""
+    dx[0] = x[0] * (p.m + p.a * x[0] - x[0] ** 2)
+
+
+def levelling(t, x, p, dx):
+    """Folds where p = -exp(-q)."""
+    dx[0] = p.p + np.exp(-p.q) + x[0] ** 2
+
+
+def curve(problem, start, along, point, ranges) -> Branch:
+    branch = cw.continue_branch(problem, start, range=along)
+    return cw.continue_locus(problem.system, branch, point, ranges)
+
+
+def assert_at(point: SpecialPoint, **truth: float) -> None:
+    assert point.status == "located"
+    for name, value in truth.items():
+        assert abs(point.parameters[name] - value) <= point.errors[name] < 1e-13
+
+
+@pytest.mark.parametrize("z", [0.0, 0.4])
+def test_a_zero_hopf_point_from_the_curves_on_a_face_and_beside_it(z) -> None:
+    problem = small_problem(face, ["x", "y", "z"], {"mu": -0.5, "lam": 0.4}, "mu")
+    found = curve(problem, [0.0, 0.0, z], (-0.6, 0.6), "HB1", {"mu": (-0.6, 0.6), "lam": (-0.7, 0.8)})
+    assert np.max(np.abs(found["mu"] + 0.5 * found["z"])) < 1e-14
+    assert np.max(np.abs(found["z"] - (found["lam"] if z else 0.0))) < 1e-14
+    (point,) = [p for p in found.special_points if p.label != "EP"]  # and no generalized Hopf point
+    assert (point.label, point.kind) == ("ZH", "branch point")
+    assert_at(point, mu=0.0, lam=0.0)
+    assert point.coefficients["omega"] == pytest.approx(2.0, rel=1e-14)
+    assert "branch point that persists" in point.note
+
+
+def test_a_zero_hopf_point_from_the_branch_points() -> None:
+    problem = small_problem(face, ["x", "y", "z"], {"lam": -0.5, "mu": 0.4}, "lam")
+    found = curve(problem, [0.0, 0.0, 0.0], (-0.6, 0.6), "BP1", {"lam": (-0.6, 0.6), "mu": (-0.7, 0.8)})
+    (point,) = [p for p in found.special_points if p.label != "EP"]
+    assert point.label == "ZH"
+    assert_at(point, mu=0.0, lam=0.0)
+
+
+def test_folds_that_touch_transcritical_points() -> None:
+    problem = small_problem(touching, ["x"], {"m": 0.5, "a": 0.8}, "m")
+    found = curve(problem, [0.4 + math.sqrt(0.66)], (-1.0, 0.7), "LP1", {"m": (-1.0, 0.5), "a": (-0.9, 1.1)})
+    assert np.max(np.abs(found["m"] + found["a"] ** 2 / 4.0)) < 1e-14
+    assert (found["a"].min(), found["a"].max()) == (-0.9, 1.1)
+    (point,) = [p for p in found.special_points if p.label != "EP"]
+    assert (point.label, point.kind) == ("CP", "branch point")
+    assert_at(point, m=0.0, a=0.0)
+    assert point.coefficients["c"] == pytest.approx(-1.0, rel=1e-12)
+
+
+def test_a_curve_along_which_the_first_parameter_levels_off_ends_at_the_range_of_the_second() -> None:
+    problem = small_problem(levelling, ["x"], {"p": -3.0, "q": 0.5}, "p")
+    found = curve(problem, [1.0], (-3.0, 0.5), "LP1", {"p": (-3.0, 0.5), "q": (-1.0, 40.0)})
+    assert found.outcome.reason == "bound"
+    assert found["q"].max() == 40.0
