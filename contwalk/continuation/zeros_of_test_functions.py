@@ -74,11 +74,11 @@ def _is_pole(
     (low, high), beside = places, list(values)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        here = value(middle)
-        side = 0 if here * beside[0] > 0.0 else 1
-        if not abs(here) > SHRUNK * abs(values[side]):
+        inside = value(middle)
+        side = 0 if inside * beside[0] > 0.0 else 1
+        if not abs(inside) > SHRUNK * abs(values[side]):
             return False
-        beside[side] = here
+        beside[side] = inside
         low, high = (middle, high) if side == 0 else (low, middle)
     return min(map(abs, beside)) > GROWN * max(map(abs, values))
 
