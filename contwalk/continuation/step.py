@@ -221,6 +221,8 @@ def _segment(
             "The step ends on a solution that repeats itself, or is its own image, as those before do not: "
             "it may have gone over to the branch that this one left."
         )
+    if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(prediction.guess, z):
+        raise TooLong("The branch is not told from the one that it leaves: what is found is that one's.")
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
     segment = Segment(problem, a, replace(there, iterations=correction.iterations))
     # Orientation is not defined at a branch point that the walk begins at.

@@ -14,7 +14,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.problems.kink import Kink, Met
 from contwalk.problems.located import Located
-from contwalk.problems.parents import gained_symmetry
+from contwalk.problems.parents import gained_symmetry, kept_symmetry
 from contwalk.problems.sample import Sample
 
 
@@ -41,6 +41,13 @@ class OwnMeasures:
     def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
         """Whether the second of two neighbours, shape (N + 1,), has a symmetry that the first has not."""
         return gained_symmetry(lambda: self.asymmetries(a), lambda: self.asymmetries(b))
+
+    def keeps_symmetry(self, guess: np.ndarray, z: np.ndarray) -> bool:
+        """Whether a solution beside a branch point has a symmetry that the guess of it has not.
+
+        Both have the shape (N + 1,).
+        """
+        return kept_symmetry(lambda: self.asymmetries(guess), lambda: self.asymmetries(z))
 
 
 class OwnPlace:
@@ -135,6 +142,13 @@ class Equivalence(Protocol):
         """Whether the second of two neighbours, shape (N + 1,), has a symmetry that the first has not.
 
         Then a step from one to the other has gone over to the branch that theirs left.
+        """
+        ...
+
+    def keeps_symmetry(self, guess: np.ndarray, z: np.ndarray) -> bool:
+        """Whether a solution beside a branch point has a symmetry that the guess of it has not.
+
+        Then the first step of a branch has not left its parent. Both have the shape (N + 1,).
         """
         ...
 

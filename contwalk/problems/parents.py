@@ -15,6 +15,8 @@ from contwalk.errors import NotFinite
 # What is less asymmetric than the first, in units of the solution's own range, may be so by errors. That less
 # than the second part of an asymmetry is left after a step is no chance.
 APPARENT, GAINED = 1e-3, 1e-3
+# The same beside a branch point, along a way that is known to break the symmetry.
+BROKEN, KEPT = 1e-9, 0.1
 # No asymmetry is larger, in the same units.
 LARGEST = 30.0
 
@@ -34,3 +36,15 @@ def gained_symmetry(
     except NotFinite:
         return False
     return any(apart > APPARENT and near.get(name, apart) < GAINED * apart for name, apart in first.items())
+
+
+def kept_symmetry(guess: Callable[[], Mapping[str, float]], after: Callable[[], Mapping[str, float]]) -> bool:
+    """Whether a solution beside a branch point has a symmetry that the way there breaks: it is the parent's.
+
+    Each gives how far it is from having a symmetry, as for `gained_symmetry`.
+    """
+    try:
+        expected, found = guess(), after()
+    except NotFinite:
+        return False
+    return any(apart > BROKEN and found.get(name, apart) < KEPT * apart for name, apart in expected.items())

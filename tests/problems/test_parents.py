@@ -12,7 +12,7 @@ from hybrid_runs import diagram
 import contwalk as cw
 from contwalk.continuation.reopening import reopened
 from contwalk.errors import NotFinite
-from contwalk.problems.parents import gained_symmetry
+from contwalk.problems.parents import gained_symmetry, kept_symmetry
 from contwalk.system import Mode, Parameter, State, Symmetry, System
 
 
@@ -32,6 +32,29 @@ def test_an_asymmetry_as_small_as_errors_tells_nothing():
 
 def test_another_symmetry_does_not_hide_the_one_that_is_gained():
     assert told({"itself": 0.2, "mirror 1": 0.3}, {"itself": 1e-8, "mirror 1": 0.3})
+
+
+def test_beside_a_branch_point_the_way_that_breaks_a_symmetry_tells_how_much():
+    def kept(guess, after):
+        return kept_symmetry(lambda: guess, lambda: after)
+
+    assert kept({"itself": 1e-6}, {"itself": 1e-9})
+    assert not kept({"itself": 1e-6}, {"itself": 8e-7})
+    # A way that keeps it, and one that is known to rounding only.
+    assert not kept({"itself": 1e-12}, {"itself": 0.0})
+    # One symmetry may be broken, and another stay.
+    assert not kept({"itself": 1e-3, "mirror 1": 0.0}, {"itself": 1e-3, "mirror 1": 0.0})
+
+
+def test_a_branch_does_not_begin_on_the_one_that_it_leaves(monkeypatch):
+    problem = cw.Equilibrium(bubble(), {"lam": 0.5}, "lam")
+    parent = cw.continue_branch(problem, [0.0, 1.0], (-0.5, 1.5))
+    assert cw.switch_branch(problem, parent, "BP1", (-0.5, 1.5)).outcome.reason == "closed"
+    # What is found keeps the symmetry that the way there breaks.
+    monkeypatch.setattr(cw.Equilibrium, "keeps_symmetry", lambda self, guess, z: abs(guess[0]) > 0.0)
+    lost = cw.switch_branch(problem, parent, "BP1", (-0.5, 1.5))
+    assert lost.outcome.status == "failed"
+    assert "what is found is that one's" in lost.outcome.message
 
 
 def test_a_motion_that_ends_tells_nothing():
