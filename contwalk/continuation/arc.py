@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from contwalk.numerics.linear import norm_in
@@ -31,6 +33,21 @@ class Arc:
         self.normal = self.chord / weights**2 / max(self.length, 1e-300) ** 2
         # Lengths of the end tangents for an interpolation by theta.
         self._scales = [self.length / norm_in(tangent, weights) for tangent in tangents]
+
+    @property
+    def turn(self) -> float:
+        """Angle between the tangents at its ends, radians."""
+        u, v = (tangent / self.weights / norm_in(tangent, self.weights) for tangent in self.tangents)
+        return 2.0 * math.atan2(float(np.linalg.norm(v - u)), float(np.linalg.norm(v + u)))
+
+    @property
+    def departure(self) -> float:
+        """How far the chord's direction is from the mean direction of the tangents; nothing on an arc of a
+        circle.
+        """
+        mean = sum(tangent / self.weights / norm_in(tangent, self.weights) for tangent in self.tangents)
+        chord = self.chord / self.weights / max(self.length, 1e-300)
+        return float(np.linalg.norm(chord - mean / max(float(np.linalg.norm(mean)), 1e-300)))
 
     def position(self, z: np.ndarray) -> float:
         """theta of the foot of z, shape (N + 1,), on the chord."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import control, domain_edge, kinks_passed, limits, outcomes
+from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
 from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
 from contwalk.continuation.locating import Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer, marked
@@ -225,6 +225,8 @@ def _segment(
         raise TooLong("The branch is not told from the one that it leaves: what is found is that one's.")
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
     segment = Segment(problem, a, replace(there, iterations=correction.iterations))
+    if not smallest and branch_jumps.jumped(segment, correction.iterations):
+        raise TooLong("The step does not lie along the branch: it may have left it for another one.")
     # Orientation is not defined at a branch point that the walk begins at.
     if a.orientation != 0.0:
         return segment
