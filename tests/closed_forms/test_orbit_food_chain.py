@@ -91,10 +91,16 @@ def test_the_doubled_orbit_leaves_along_a_null_vector_whatever_its_segments(bran
     assert missed.max() < 1e-5
 
 
-@pytest.mark.parametrize(("own", "asked", "counted"), [(1, None, 2), (4, None, 8), (4, 3, 2)])
-def test_a_doubled_orbit_has_no_fewer_segments_than_its_parent(monkeypatch, own, asked, counted):
-    """Over both closures deviations may grow no more than over one, where they are forgotten in between."""
-    monkeypatch.setattr(switching, "segments_for", lambda problem, z, times: 2)
+@pytest.mark.parametrize(
+    ("own", "grown", "asked", "counted"),
+    [(1, 1, None, 2), (4, 1, None, 8), (4, 1, 3, 2), (1, 2, None, 4), (1, 3, None, 6)],
+)
+def test_a_doubled_orbit_has_no_fewer_segments_than_its_parent(monkeypatch, own, grown, asked, counted):
+    """Over both closures deviations may grow no more than over one, where they are forgotten in between.
+
+    A parent that has fewer than its growth over one closure asks for is not followed in that.
+    """
+    monkeypatch.setattr(switching, "segments_for", lambda problem, z, times=1: {1: grown, 2: 2}[times])
     parent = SimpleNamespace(
         mesh=SimpleNamespace(segments=own), discretization=SimpleNamespace(segments=asked)
     )

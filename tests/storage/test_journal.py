@@ -49,7 +49,7 @@ def test_a_journal_that_is_damaged_before_its_end_is_refused(tmp_path):
 def test_results_of_another_study_are_not_taken_up(tmp_path):
     path = tmp_path / "j"
     written(path, {"n": 0})
-    with pytest.raises(DatabaseError, match="another study: rays differs"):
+    with pytest.raises(DatabaseError, match="another study; what differs: rays"):
         Journal(path, STUDY | {"rays": 4}, resume=True)
     with Journal(path, STUDY | {"rays": 4}, resume=False) as journal:
         assert journal.kept == []
