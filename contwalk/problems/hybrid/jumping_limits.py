@@ -15,6 +15,7 @@ import numpy as np
 from contwalk.errors import NO_LINE, NotFinite, PluginError
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching
+from contwalk.memory import memory_of, remembered
 from contwalk.problems.event_kinks import between, through_zero
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.end_maps import (
@@ -66,7 +67,7 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
 
     a and b have the shape (N + 1,).
     """
-    if not any(True for passage in passages_of(problem, a) for _ in _told_on(passage)):
+    if not any(_told_on(passage) for passage in passages_of(problem, a)):
         return ()
     try:
         views = [problem.view(z) for z in (a, b)]
@@ -105,8 +106,14 @@ def _on_leg(problem: DiscretizedOrbit, one: LegView, other: LegView) -> Iterator
             yield from between(event, place_of(one, start=start), place_of(other, start=start))
 
 
-def _told_on(passage: Passage) -> Iterator[Told]:
+def _told_on(passage: Passage) -> tuple[Told, ...]:
     """Conditions at the end of a leg, and guards that do not end it."""
+    known = memory_of(passage, "jumping limits")
+    told: tuple[Told, ...] = remembered(known, "told", 1, lambda: tuple(_all_told_on(passage)))
+    return told
+
+
+def _all_told_on(passage: Passage) -> Iterator[Told]:
     mapped = functions_at_end(passage)[1:]
     for condition in passage.conditions:
         found = passage.switching_of(f"condition {condition.name}", condition.function, condition.side)

@@ -90,11 +90,11 @@ def meshed(
         variation = smaller
         paths, chosen, reason = stepped(runs, fixed, variation, tolerance, method, most, far_out=True)
     # Over a leg that passes a saddle, an error grows with whatever else does: its steps have to be finer.
-    growth, finer = _growth(passages, paths, variation), tolerance
-    while growth * finer > SAFE * tolerance and finer > TIGHTEST:
+    grown, finer = _grown(passages, paths, variation), tolerance
+    while (growth := max(grown)) * finer > SAFE * tolerance and finer > TIGHTEST:
         finer = max(0.5 * tolerance * SAFE / growth, TIGHTEST)
         paths, chosen, reason = stepped(runs, fixed, variation, finer, method, most, far_out=True)
-        growth = _growth(passages, paths, variation)
+        grown = _grown(passages, paths, variation)
     amplified = max(growth * finer / tolerance, 1.0)
     steps = [path.steady for path in paths]
     if alike:
@@ -104,7 +104,6 @@ def meshed(
             steps[i] = steps[i + half] = longer
     if parts > 1:
         steps = _alike(steps, parts)
-    grown = tuple(_growth([p], [path], variation) for p, path in zip(passages, paths, strict=True))
     return LegMesh(tuple(steps), chosen, tolerance, variation, magnitudes, amplified, reason, grown=grown)
 
 
@@ -115,9 +114,11 @@ def _alike(steps: Sequence[np.ndarray], parts: int) -> list[np.ndarray]:
     return [np.concatenate([[0.0], m * own[1:-1] - i, [1.0]]) for i, own in enumerate(whole)]
 
 
-def _growth(passages: Sequence[Passage], paths: Sequence[flow.Path], variation: np.ndarray) -> float:
-    """How much a deviation grows at most over a leg, from any time on."""
-    return max(
+def _grown(
+    passages: Sequence[Passage], paths: Sequence[flow.Path], variation: np.ndarray
+) -> tuple[float, ...]:
+    """How much a deviation grows at most over each leg, from any time on."""
+    return tuple(
         growth_of(path.states[:, len(p.states) :] / variation[list(p.states)])
         for p, path in zip(passages, paths, strict=True)
     )

@@ -44,6 +44,14 @@ def discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None = 
     z has the shape (N + 1,).
     """
     problem = problem.fitting(z)
+    if parent is not None:
+        return _discretized(problem, z, parent)
+    # All that is looked for beside a special point begins with it.
+    return problem.known.at("discretized", z, 1, lambda: _discretized(problem, z, None))
+
+
+def _discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None) -> Kind:
+    """As `discretized`, of a problem with the segments of z, shape (N + 1,)."""
     layout = problem.layout
     reached = np.zeros(problem.states)
     for place, passage in zip(layout.states, problem.passages, strict=True):
