@@ -124,8 +124,7 @@ def _suspected(problem: OrbitData, which: int, a: Sample, b: Sample) -> bool:
         return False
     if a.z[which] * b.z[which] <= 0.0:  # it has come from the other side: of no power is that a part
         return False
-    first, last = (_slope(which, s) for s in (a, b))
-    if not (first * last > 0.0 and abs(last) < abs(first)):
+    if not _falls(which, a, b):
         return False
     if abs(_left(which, a, b)) > SUSPECTED * float(b.weights[-1]):
         return False
@@ -150,7 +149,7 @@ def _limit(problem: OrbitData, which: int, a: Sample, b: Sample) -> tuple[float,
         if place.error > SUSPECTED * size:
             return None  # nothing is known of the parameter there, as of a point that is called an orbit
         if not arrived:
-            if not 0.0 < _slope(which, place) / _slope(which, last) < 1.0:
+            if not _falls(which, last, place):
                 return None
             left = _left(which, last, place)
             if abs(left) <= max(REST * size, KNOWN * place.error):
@@ -167,6 +166,12 @@ def _limit(problem: OrbitData, which: int, a: Sample, b: Sample) -> tuple[float,
 def _slope(which: int, there: Sample | _Place) -> float:
     """d lambda / dx."""
     return float(there.tangent[-1] / there.tangent[which])
+
+
+def _falls(which: int, a: Sample | _Place, b: Sample | _Place) -> bool:
+    """Whether the slope at b is a part of that at a, and the parameter does not stand still."""
+    before, after = _slope(which, a), _slope(which, b)
+    return before * after > 0.0 and abs(after) < abs(before)
 
 
 def _left(which: int, a: Sample | _Place, b: Sample | _Place) -> float:
@@ -198,7 +203,7 @@ def _further(problem: OrbitData, which: int, step: float, a: Sample, b: Sample) 
             if (lost if small else running) > LOST:
                 return
             continue
-        if _slope(which, last) / _slope(which, place) > 1.0:
+        if _falls(which, last, place):
             left = _left(which, last, place)
         last, running, step = place, 0, FURTHER * step
         yield place

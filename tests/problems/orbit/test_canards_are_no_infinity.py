@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from small_systems import small_problem
 
 import contwalk as cw
@@ -32,3 +33,14 @@ def test_orbits_further_out_are_asked_seldom_along_a_canard(monkeypatch):
     cycle = cw.switch_branch(problem, equilibria, "HB1", (0.0, 2.0), max_points=150)
     assert cycle.outcome.reason != "unbounded"
     assert len(asked) < 0.3 * len(cycle.points)
+
+
+def test_where_the_parameter_stands_still_it_falls_no_more():
+    def at(slope):
+        return unbounded._Place(np.array([1.0, 2.0]), np.array([1.0, slope]), 0.0)
+
+    assert unbounded._falls(0, at(1e-3), at(1e-4))
+    assert not unbounded._falls(0, at(1e-3), at(0.0))
+    assert not unbounded._falls(0, at(0.0), at(0.0))
+    assert not unbounded._falls(0, at(1e-3), at(-1e-4))
+    assert not unbounded._falls(0, at(1e-4), at(1e-3))
