@@ -89,7 +89,7 @@ def walk(
                         yield End(outcome, end_record(problem, place, outcome, sign, record.error))
                         return
                 taken, state = step, _arrived(problem, step, state, sign, settings, before)
-            problem, state = yield from _taken_up(problem, state)
+            problem, state = yield from _taken_up(problem, state, settings)
             number += 1
             if done + number > 3 and taken is not None and closes(taken.segment, taken.found, origin.sample):
                 outcome = outcomes.closed()
@@ -107,14 +107,18 @@ def walk(
 
 
 def _taken_up(
-    problem: Problem, state: ContinuationState
+    problem: Problem, state: ContinuationState, settings: Settings
 ) -> Generator[Point, None, tuple[Problem, ContinuationState]]:
     """A point on the steps, or with the borders, for what follows it."""
     try:
-        problem, sample = adapted(problem, state.sample)
+        there, sample = adapted(problem, state.sample)
     except (NotFinite, np.linalg.LinAlgError):
         yield Point(state)
         raise
+    if _leaves_an_end(state.sample, sample, settings):
+        yield Point(state)
+        return problem, state
+    problem = there
     if np.array_equal(sample.z, state.sample.z):
         yield Point(state)
     else:  # on new steps the solution is another: that one is the point, and taken up as if stored
@@ -122,6 +126,12 @@ def _taken_up(
         yield Point(state)
         problem, sample = adapted(problem, sample)
     return problem, replace(state, sample=sample)
+
+
+def _leaves_an_end(before: Sample, after: Sample, settings: Settings) -> bool:
+    """Whether a point at an end of the range is not there any more on other steps: it is to stay as it is."""
+    at_end = [place for place, ends in settings.bounds.items() if before.z[place] in ends]
+    return any(after.z[place] != before.z[place] for place in at_end)
 
 
 def _back(

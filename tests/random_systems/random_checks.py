@@ -209,10 +209,12 @@ def _equilibria(machine: Machine, branch: Branch) -> Iterator[Fault]:
         return  # the quotient's spectrum is another one
     scale = rows["weights"][:, :n]
     scaled = matrices / scale[:, :, None] * scale[:, None, :]
+    # Where all entries vanish with the parameter, they are known as it is: to a rounding of its own size.
+    vanishing = np.finfo(float).eps * float(np.linalg.norm(scaled, axis=(1, 2)).max())
     for i, values in enumerate(np.linalg.eigvals(matrices)):
         # Entries are rounded as the terms are that they are derivatives of, and known as well as the state.
         rounded = RESIDUAL * float(np.linalg.norm(terms[i] / scale[i]))
-        doubt = CERTAIN * float(np.linalg.norm(scaled[i])) + rounded
+        doubt = CERTAIN * float(np.linalg.norm(scaled[i])) + rounded + vanishing
         least, most = int(np.sum(values.real > doubt)), int(np.sum(values.real >= -doubt))
         if not least <= rows["unstable"][i] <= most:
             yield Fault(

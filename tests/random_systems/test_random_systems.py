@@ -11,7 +11,7 @@ from random_study import checked
 
 SYSTEMS = 200
 # Further ones that showed a fault once.
-MENDED = (574, 657, 742, 934, 980, 1039, 1043, 1259, 1698, 1776)
+MENDED = (377, 574, 610, 657, 742, 934, 980, 1039, 1043, 1259, 1698, 1776)
 
 # Faults that are known and open, by seed. Strict: who mends one takes it off.
 KNOWN: dict[int, str] = {}

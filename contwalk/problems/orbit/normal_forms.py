@@ -71,7 +71,8 @@ class SectionMap(ABC):
         Raises
         ------
         NotFinite
-            If deviations grow so much that nothing is left of the critical one.
+            If deviations grow so much that nothing is left of the critical one, or if it is a double one with
+            one direction.
         """
         growth = float(np.linalg.norm(self.a, 2))
         if not growth * EPSILON < LOST:
@@ -82,6 +83,8 @@ class SectionMap(ABC):
         q, p = vh[-1].conj(), u[:, -1].conj()
         largest = q[np.argmax(np.abs(q))]
         q = q * np.conj(largest) / abs(largest) / self.size(q)
+        if abs(p @ q) <= EPSILON * float(np.linalg.norm(q)):
+            raise NotFinite("the critical multiplier is a double one that has a single direction")
         return q, p / (p @ q)
 
     def b(self, v: np.ndarray, w: np.ndarray, lv: float = 0.0, lw: float = 0.0) -> np.ndarray:
