@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from contwalk.continuation.settings import Settings
@@ -11,6 +13,8 @@ from contwalk.problems.problem import Sample
 GROWTH, DECAY = 1.6, 0.3
 # Shrinking after a failure: fast where the step is small already.
 SHRINK, PLUNGE, SMALL = 0.4, 0.1, 1e-6
+# What the chord of a step may be off the mean of its tangents: a part of the turn; where it hardly turns.
+OF_TURN, NO_TURN = 0.25, 0.02
 # Part of its slope by which a parabola's end may differ.
 PARABOLIC = 0.1
 # How far towards a jump a step goes, and which part of a step counts as near.
@@ -35,6 +39,19 @@ def bend(a: Sample, z: np.ndarray, tangent: np.ndarray) -> float:
     u, v = a.tangent / a.weights, tangent / a.weights
     mean = 0.5 * (u / np.linalg.norm(u) + v / np.linalg.norm(v))
     return float(np.linalg.norm(chord / np.linalg.norm(chord) - mean))
+
+
+def left_branch(a: Sample, z: np.ndarray, tangent: np.ndarray, angle: float) -> bool:
+    """Whether a step seems to have ended on another branch: its chord departs too far for how it turns.
+
+    z, where it ends, and the tangent there have the shape (N + 1,); `angle` is its turn in degrees.
+    """
+    return bend(a, z, tangent) > max(OF_TURN * np.radians(angle), NO_TURN)
+
+
+def inside(z: np.ndarray, bounds: Mapping[int, tuple[float, float]]) -> bool:
+    """Whether the free parameters of z, shape (N + 1,), are within bounds that are given by their places."""
+    return all(low <= z[place] <= high for place, (low, high) in bounds.items())
 
 
 def is_parabola(a: Sample, z: np.ndarray, tangent: np.ndarray) -> bool:

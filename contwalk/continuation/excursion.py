@@ -52,9 +52,9 @@ def reentered(problem: Problem, state: ContinuationState, settings: Settings, si
             if correction.problem.diagnosis.ended(sample, there) is not None:
                 return None
             arc = Arc((sample.z, there.z), (sample.tangent, there.tangent), sample.weights)
-            if _inside(there.z, settings.bounds):
+            if control.inside(there.z, settings.bounds):
                 return _entry(correction.problem, arc, replace(state, s=s, step=length), settings, sign)
-            if not _inside(there.z, ends):
+            if not control.inside(there.z, ends):
                 return None
             problem = at_stored(correction.problem, there.z, there.weights)
             easy = control.turn(sample, there.tangent) < EASY * settings.max_angle
@@ -80,10 +80,6 @@ def _farthest(problem: Problem, settings: Settings) -> dict[int, tuple[float, fl
     return ends
 
 
-def _inside(z: np.ndarray, ends: dict[int, tuple[float, float]]) -> bool:
-    return all(low <= z[place] <= high for place, (low, high) in ends.items())
-
-
 def _step(
     problem: Problem, sample: Sample, length: float, settings: Settings
 ) -> tuple[Correction, Sample] | None:
@@ -97,7 +93,7 @@ def _step(
     angle = control.turn(sample, tangent)
     if angle > TURNS * settings.max_angle:
         return None
-    if control.bend(sample, found.z, tangent) > max(0.25 * np.radians(angle), 0.02):
+    if control.left_branch(sample, found.z, tangent, angle):
         return None
     return found, replace(sample, z=found.z, tangent=tangent)
 
@@ -126,7 +122,7 @@ def _entry(
         return None
     z = found.z.copy()
     z[place] = guess[place] if outside else z[place]
-    if not _inside(z, settings.bounds):
+    if not control.inside(z, settings.bounds):
         return None
     tangent = found.linearization.tangent(arc.normal, arc.weights)
     sample = found.problem.examine(z, tangent, arc.weights, found.linearization, None)

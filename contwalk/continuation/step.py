@@ -74,10 +74,9 @@ def take_step(
     """The longest step from here that converges, turns little, and on which the tests agree."""
     length = min(state.step, settings.max_step)
     edge: tuple[str, Explanation] | None = None  # where a field ends ahead: the reason, whatever stops later
-    turning: list[
-        float
-    ] = []  # steps from a branch point on which the branch is a parabola that turns too much
-    turns = False
+    # Steps from a branch point on which the branch is a parabola that turns too much; whether one is tried.
+    parabolas: list[float] = []
+    on_parabola = False
     while True:
         smallest = length <= settings.min_step
         length = max(length, settings.min_step)
@@ -95,9 +94,9 @@ def take_step(
             reason, explanation = "plugin_error", kinks_passed.refusal(problem, jump)
         elif correction.ok:
             try:
-                segment = _segment(state, prediction, correction, settings, smallest or turns)
-                if turning and segment.b.error > BLURRED * length:
-                    length, turns = turning.pop(), True
+                segment = _segment(state, prediction, correction, settings, smallest or on_parabola)
+                if parabolas and segment.b.error > BLURRED * length:
+                    length, on_parabola = parabolas.pop(), True
                     continue
                 segment = kinks_passed.with_kinks(segment, passed)
                 outcome = segment.problem.diagnosis.ended(segment.a, segment.b)
@@ -112,7 +111,7 @@ def take_step(
                     found += at_the_end(segment)
                 return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
             except Parabola as error:
-                turning.append(length)
+                parabolas.append(length)
                 explanation = str(error)
             except (TooLong, LostBranch) as error:
                 explanation = str(error)
@@ -137,7 +136,7 @@ def take_step(
             if jump is None
             else kinks_passed.jump(kinks_passed.between(problem, state, prediction.guess))
         )
-        turns = False
+        on_parabola = False
         length = control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
 
 
@@ -188,11 +187,6 @@ def _nearest_bound(sample: Sample, settings: Settings) -> tuple[float, int, floa
     return nearest
 
 
-def _inside(z: np.ndarray, settings: Settings) -> bool:
-    """Whether the free parameters are in their ranges."""
-    return all(low <= z[place] <= high for place, (low, high) in settings.bounds.items())
-
-
 def _segment(
     state: ContinuationState,
     prediction: Prediction,
@@ -214,7 +208,7 @@ def _segment(
     tangent = _tangent(a, linearization)
     if not smallest:
         _check_shape(a, z, tangent, prediction, settings)
-    if not _inside(z, settings):
+    if not control.inside(z, settings.bounds):
         raise TooLong("The step passes the end of the range.")
     if problem.equivalence.gains_symmetry(a.z, z):
         raise TooLong(
@@ -250,7 +244,7 @@ def _check_shape(
     if angle > settings.max_angle or moved > 0.5 * prediction.length:
         parabola = a.orientation == 0.0 and not prediction.to_bound and control.is_parabola(a, z, tangent)
         raise (Parabola if parabola else TooLong)(f"The branch turns by {angle:.0f} degrees in one step.")
-    if control.bend(a, z, tangent) > max(0.25 * np.radians(angle), 0.02):
+    if control.left_branch(a, z, tangent, angle):
         raise TooLong("The step does not lie along the branch: it may have left it for another one.")
 
 
@@ -294,7 +288,7 @@ def _special(
         if not smallest:
             raise
         found = [_unlocated(segment, disagreement)]
-    if not all(_inside(f.located.z, settings) for f in found):
+    if not all(control.inside(f.located.z, settings.bounds) for f in found):
         raise TooLong("The step passes the end of the range and comes back.")
     counted = _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
     return [f for f in counted if f.type.told]
