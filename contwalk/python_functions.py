@@ -39,6 +39,12 @@ def line_of(function: Any) -> str:
     return "" if file is None else f"{file}, line {line}: "
 
 
+def line_aside(function: Any) -> str:
+    """The same behind what it is of, ` (file, line n)`; empty where it is not known."""
+    line = line_of(function).removesuffix(": ")
+    return f" ({line})" if line else ""
+
+
 def copied(
     function: types.FunctionType,
     replace: Replace,

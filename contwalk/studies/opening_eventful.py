@@ -35,7 +35,7 @@ from contwalk.problems.parameter_line import Ends
 from contwalk.problems.problem import equations_at
 from contwalk.problems.sample import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
-from contwalk.python_functions import line_of
+from contwalk.python_functions import line_aside
 from contwalk.signatures import folded
 from contwalk.studies.families import is_one_of_a_family
 from contwalk.studies.orbit_start import OrbitStart
@@ -81,11 +81,10 @@ def _with_broken(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -
         return opening
     sentences = [opening.message]
     for name, transition in broken_by_events(machine, lap).items():
-        line = line_of(transition.reset or transition.guard).removesuffix(": ")
         sentences.append(
             f"The direction '{name}' is not neutral on this branch: '{transition.name}' breaks it"
-            f"{f' ({line})' if line else ''}, by its guard or its reset. It is not held, and its multiplier "
-            "is one among the others."
+            f"{line_aside(transition.reset or transition.guard)}, by its guard or its reset. It is not held, "
+            "and its multiplier is one among the others."
         )
     return replace(opening, message=" ".join(filter(None, sentences)))
 

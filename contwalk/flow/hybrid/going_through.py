@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk.flow.hybrid.guard_status import BEYOND, PASSED, guard_statuses
 from contwalk.flow.hybrid.machine import HybridMachine, landed
-from contwalk.python_functions import line_of
+from contwalk.python_functions import line_aside
 from contwalk.system import Transition
 
 # A transition with time and state of full length right before it.
@@ -28,10 +28,9 @@ def going_through(machine: HybridMachine, events: Iterable[Happened]) -> str:
 
 
 def _sentence(transition: Transition) -> str:
-    place = line_of(transition.reset).removesuffix(": ")
     return (
         f"After '{transition.name}' its guard goes on through zero, more slowly than it came"
-        f"{f' ({place})' if place else ''}: it happens again only where it has been back. That is right for "
+        f"{line_aside(transition.reset)}: it happens again only where it has been back. That is right for "
         "a push against the motion; a stop whose reset has the wrong sign looks like that."
     )
 

@@ -8,7 +8,7 @@ from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margin_values import BELOW
 from contwalk.problems.orbit.word import imaged_leg
-from contwalk.python_functions import line_of
+from contwalk.python_functions import line_aside
 from contwalk.system import Transition
 
 
@@ -19,10 +19,9 @@ def past_all_along(problem: DiscretizedOrbit, z: np.ndarray) -> str:
 
 
 def _sentence(transition: Transition) -> str:
-    place = line_of(transition.guard).removesuffix(": ")
     return (
         f"'{transition.name}' never happens here though its guard is past zero all along the first orbit"
-        f"{f' ({place})' if place else ''}: the start lies beyond it, or a reset leads there. An edge "
+        f"{line_aside(transition.guard)}: the start lies beyond it, or a reset leads there. An edge "
         "happens where its guard passes zero. Declare level=True if it should happen at once where the guard "
         "is past zero; else start on the other side, or mend the reset."
     )
