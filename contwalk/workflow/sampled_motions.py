@@ -38,6 +38,8 @@ class Draws:
     ----------
     names : tuple of str
         What is drawn, in the order of the system.
+    base : dict
+        All parameters of the run's start, with nothing drawn.
     values : ndarray, shape (k, names)
     starts : ndarray, shape (k, n)
     parameters : ndarray, shape (k, m)
@@ -47,6 +49,7 @@ class Draws:
     """
 
     names: tuple[str, ...]
+    base: dict[str, float]
     values: np.ndarray
     starts: np.ndarray
     parameters: np.ndarray
@@ -82,7 +85,7 @@ def drawn(run: SampleFile, numbers: range) -> Draws:
         else:
             parameters[:, system.parameter_names.index(name)] = values[:, column]
     units = np.array([_unit(run, row) for row in _rows(system, parameters)])
-    return Draws(names, values, starts, parameters, units)
+    return Draws(names, base, values, starts, parameters, units)
 
 
 def _rows(system: System, parameters: np.ndarray) -> list[dict[str, float]]:

@@ -25,7 +25,6 @@ from contwalk.workflow.sampled_motions import (
     measured_elsewhere,
     together,
 )
-from contwalk.workflow.simulating import start_of
 from contwalk.workflow.study_text import StudyText
 
 # Motions to a task for another process: whole batches, some seconds' work where a motion takes milliseconds.
@@ -128,7 +127,7 @@ def sample(
         header={
             "config": run.text,
             "overrides": list(run.overrides),
-            "parameters": start_of(run.system, run.start)[1],
+            "parameters": draws.base,
             "provenance": made_with(run.path, run.system_reference, run.system),
         },
     )

@@ -93,9 +93,9 @@ def _to_zero(problem: DiscretizedOrbit, leg: int, a: Sample, b: Sample, magnitud
         return ""
     # A power's secant tells less of the way than is left: where that is too much, nothing else is asked.
     ahead = abs(float(b.z[-1] - a.z[-1])) * after / (before - after)
-    if ahead > REST * float(b.weights[-1]) or not after < POINT * typical_guard(
-        problem, b.z, magnitudes, leg
-    ):
+    if ahead > REST * float(b.weights[-1]):
+        return ""
+    if not after < POINT * typical_guard(problem, b.z, magnitudes, leg):
         return ""
     step = ALONG * float(np.linalg.norm((b.z - a.z) / a.weights)) * a.tangent
     further = reach(problem, a.z + step, leg)

@@ -30,7 +30,8 @@ class GeneralizedHopf(LocusPoint):
         place = FloatPlace(problem.plane, problem.in_plane(sample.z))
         found: Critical = problem.augmented.told(place, [kappa])[0]
         try:
-            return float(lyapunov_numerator(place, found, kappa))
+            with np.errstate(divide="ignore", invalid="ignore"):  # where p and q are orthogonal: a pole too
+                return float(lyapunov_numerator(place, found, kappa))
         except np.linalg.LinAlgError:
             return float("nan")  # at a zero eigenvalue itself
 
