@@ -199,7 +199,7 @@ def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str
     """What is to be done at a limit: `stop`, `ignore` or `switch`.
 
     A watched transition does nothing, so there is nothing to switch to. A terminal grazing cannot be ignored:
-    beyond it the orbit's own event happens earlier, and no orbit of this word is the machine's.
+    beyond it the orbit's own event happens earlier, and no orbit of this itinerary is the machine's.
     """
     limit = limits_of(problem)[int(located.vectors["limit"])]
     asked = events.get(limit.type.like or limit.type.label, "ignore")

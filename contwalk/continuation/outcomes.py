@@ -51,7 +51,7 @@ def neutral_saddles() -> Outcome:
 
 
 def limit(point: LimitType, kind: str | None, asked: str, words: str) -> Outcome:
-    """The orbits beyond are not the machine's, or have another word."""
+    """The orbits beyond are not the machine's, or have another itinerary."""
     reason, label = point.reason, point.like or point.label
     if asked == "switch":
         return Outcome("complete", reason, words)

@@ -11,7 +11,7 @@ from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.modes import distinct_transitions
 from contwalk.plugin_check.samples import Samples
 from contwalk.problems.hybrid.mirrors import Span, beside, transition_carried
-from contwalk.problems.orbit.word import Leg
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Symmetry, System, Transition
 
 

@@ -18,23 +18,23 @@ from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
 from contwalk.problems.hybrid.families import broken_by_events
 from contwalk.problems.hybrid.hopping import hops
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.lap import Lap
+from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.hybrid.least import least, unused_symmetries
 from contwalk.problems.hybrid.obstacles import collapsed as collapsed_event
 from contwalk.problems.hybrid.past_all_along import past_all_along
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
-from contwalk.problems.initial.event_recurrence import lap_from
+from contwalk.problems.initial.event_recurrence import recurrence_from
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.kink import refuse
 from contwalk.problems.orbit.conservation import off_its_value
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.itinerary import named_itinerary
 from contwalk.problems.orbit.kinks_met import kinks_along
-from contwalk.problems.orbit.word import named_word
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.problem import equations_at
 from contwalk.problems.sample import NO_MARGIN
-from contwalk.problems.stored_word import StoredWord
+from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.python_functions import line_aside
 from contwalk.signatures import folded
 from contwalk.studies.families import is_one_of_a_family
@@ -57,30 +57,36 @@ UNSTABLE = (
 def eventful(start: OrbitStart) -> Opening | Outcome:
     """The branch of orbits through events that a simulation from a state comes back on."""
     values = start.values
-    lap = lap_from(start.system, values, start.state, start.mode, start.event, start.until)
-    explicit = orbit_of(HybridOrbit, start.system, start.line, start.at, lap, start.discretization)
+    recurrence = recurrence_from(start.system, values, start.state, start.mode, start.event, start.until)
+    explicit = orbit_of(HybridOrbit, start.system, start.line, start.at, recurrence, start.discretization)
     opening = _hybrid(*softened(*explicit), start.settings, start.until == "settled")
     machine = hybrid_machine(start.system, values)
-    return _with_broken(_with_pushes(opening, machine, lap), machine, lap)
+    return _with_broken(_with_pushes(opening, machine, recurrence), machine, recurrence)
 
 
-def _with_pushes(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -> Opening | Outcome:
-    """The opening, with a word on events of the lap after which the machine goes on as a stop would not."""
+def _with_pushes(
+    opening: Opening | Outcome, machine: HybridMachine, recurrence: HybridRecurrence
+) -> Opening | Outcome:
+    """The opening, with a word on events after which the machine goes on as a stop would not."""
     if isinstance(opening, Outcome):
         return opening
-    legs = [(stretch.leg.transition, stretch) for stretch in lap.stretches if not stretch.leg.collapsed]
+    legs = [
+        (stretch.leg.transition, stretch) for stretch in recurrence.stretches if not stretch.leg.collapsed
+    ]
     ends = [
         (each, stretch.start + stretch.duration, stretch.end) for each, stretch in legs if each is not None
     ]
     return replace(opening, message=f"{opening.message} {going_through(machine, ends)}".strip())
 
 
-def _with_broken(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -> Opening | Outcome:
-    """The opening, with a word on declared directions that are neutral but for an event of the lap."""
+def _with_broken(
+    opening: Opening | Outcome, machine: HybridMachine, recurrence: HybridRecurrence
+) -> Opening | Outcome:
+    """The opening, with a word on declared directions that are neutral but for an event of the recurrence."""
     if isinstance(opening, Outcome):
         return opening
     sentences = [opening.message]
-    for name, transition in broken_by_events(machine, lap).items():
+    for name, transition in broken_by_events(machine, recurrence).items():
         sentences.append(
             f"The direction '{name}' is not neutral on this branch: '{transition.name}' breaks it"
             f"{line_aside(transition.reset or transition.guard)}, by its guard or its reset. It is not held, "
@@ -89,7 +95,7 @@ def _with_broken(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -
     return replace(opening, message=" ".join(filter(None, sentences)))
 
 
-def opened_word(
+def opened_itinerary(
     system: System,
     parameters: Mapping[str, float],
     free: str,
@@ -97,18 +103,18 @@ def opened_word(
     path: Ends | None,
     at: float | None,
     discretization: Discretization | None,
-    stored: StoredWord,
+    stored: StoredItinerary,
 ) -> Opening | Outcome:
     """The branch of hybrid orbits through a stored one, or why there is none; arguments as for
     `opened_orbit`.
     """
-    word = named_word(system, stored.legs, stored.image)
-    own, reference = list(system.states_of(word.legs[0].mode)), np.zeros(len(system.states))
+    itinerary = named_itinerary(system, stored.legs, stored.image)
+    own, reference = list(system.states_of(itinerary.legs[0].mode)), np.zeros(len(system.states))
     reference[own] = stored.unknowns[: len(own)]
-    kind = SoftOrbit if applies(system, word) else HybridOrbit
+    kind = SoftOrbit if applies(system, itinerary) else HybridOrbit
     problem = kind(
         system,
-        word,
+        itinerary,
         parameters,
         free,
         path,
@@ -129,18 +135,18 @@ def opened_word(
 def _hybrid(
     problem: HybridOrbit, z: np.ndarray, settings: Settings, settled: bool = False
 ) -> Opening | Outcome:
-    """The orbit of a simulated lap, corrected; `settled`: the motion has settled on it."""
-    word = folded(problem.word.signature(problem.system)) or "no events"
+    """The orbit of a simulated recurrence, corrected; `settled`: the motion has settled on it."""
+    itinerary = folded(problem.itinerary.signature(problem.system)) or "no events"
     try:
         with problem.effort.of_start(problem.cost, settled):
             state = begin(problem, z, settings)
     except StartError as error:
         found = one_of_a_family_near(problem, z)
-        sentence = _with_hops(problem, z, f"{error.sentence} (itinerary: {word})")
+        sentence = _with_hops(problem, z, f"{error.sentence} (itinerary: {itinerary})")
         return found or outcomes.refused(sentence, error.remedy)
     if not isinstance(state, ContinuationState):
         refuse(kinks_along(problem, z))
-        sentence = f"{state.sentence} (itinerary: {word})"
+        sentence = f"{state.sentence} (itinerary: {itinerary})"
         if state.reason == "no_convergence":
             sentence = _with_hops(problem, z, sentence)
         return not_alone(problem, z, state) or outcomes.no_start(state.reason, sentence, "a periodic orbit")
@@ -148,7 +154,7 @@ def _hybrid(
     collapsed = collapsed_event(problem, state.sample.z)
     if collapsed:
         return outcome_of_family(problem, z) or _collapsed(
-            problem, state.sample.z, collapsed, word, hops(problem, z)
+            problem, state.sample.z, collapsed, itinerary, hops(problem, z)
         )
     if is_one_of_a_family(problem, state.sample.z):
         return outcome_of_family(problem, z) or one_of_many()
@@ -163,7 +169,7 @@ def _hybrid(
         return outcomes.no_start(
             "no_convergence",
             "The equations are singular at the first orbit: others lie beside it at the same parameters, as "
-            f"where nothing changes a state. (itinerary: {word})",
+            f"where nothing changes a state. (itinerary: {itinerary})",
             "a periodic orbit",
         )
     # On the steps of the branch everything is told anew: those of the start were made for a guess.
@@ -186,23 +192,23 @@ def _with_hops(problem: HybridOrbit, z: np.ndarray, sentence: str) -> str:
     return f"{sentence} {hops(problem, z)}".strip()
 
 
-def _collapsed(problem: HybridOrbit, z: np.ndarray, event: str, word: str, hopped: str) -> Outcome:
+def _collapsed(problem: HybridOrbit, z: np.ndarray, event: str, itinerary: str, hopped: str) -> Outcome:
     """Two events follow each other in no time: two that coincide, or one and a spurious zero after it.
 
     `hopped`: what jumps on Newton's way there, in a sentence.
     """
-    legs = [i for i, leg in enumerate(problem.word.legs) if leg.name == event and not leg.collapsed]
+    legs = [i for i, leg in enumerate(problem.itinerary.legs) if leg.name == event and not leg.collapsed]
     shortest = min(legs, key=lambda i: float(z[problem.layout.durations][i]))
-    before = problem.word.leading_in(problem.system, shortest)
+    before = problem.itinerary.leading_in(problem.system, shortest)
     if before == event:
         return outcomes.no_start(
             "no_convergence",
-            f"The correction lets the segment before '{event}' shrink to nothing (itinerary: {word}). "
+            f"The correction lets the segment before '{event}' shrink to nothing (itinerary: {itinerary}). "
             f"{hopped}".strip(),
             "a periodic orbit",
         )
     return outcomes.refused(
-        f"'{before}' and '{event}' happen at once (itinerary: {word}): which one comes first changes along a "
-        f"branch there, and its equations hold on one side only. {hopped}".strip(),
+        f"'{before}' and '{event}' happen at once (itinerary: {itinerary}): which one comes first changes "
+        f"along a branch there, and its equations hold on one side only. {hopped}".strip(),
         "Begin at another value of a parameter, at which one comes before the other.",
     )

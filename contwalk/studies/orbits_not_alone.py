@@ -27,7 +27,7 @@ def not_alone(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray, failure: Corr
 
 
 def one_of_a_family_near(problem: HybridOrbit, z: np.ndarray) -> Outcome | None:
-    """The outcome of a start that comes back on none of its laps, where orbits near it come in a family.
+    """The outcome of a start that comes back on none of its returns, where orbits near it come in a family.
 
     z has the shape (N + 1,); None where none of a family is found near it.
     """
@@ -47,16 +47,16 @@ def outcome_of_family(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray) -> Ou
     z has the shape (N + 1,).
     """
     if isinstance(problem, HybridOrbit):
-        places, word = (
+        places, itinerary = (
             _hybrid_places(problem),
-            f" (itinerary: {folded(problem.word.signature(problem.system)) or 'no events'})",
+            f" (itinerary: {folded(problem.itinerary.signature(problem.system)) or 'no events'})",
         )
     else:
-        places, word = _smooth_places(problem), ""
+        places, itinerary = _smooth_places(problem), ""
     found = family_at(problem, z, places)
     if found is None:
         return None
-    return outcomes.refused(found.sentence + word, found.remedy)
+    return outcomes.refused(found.sentence + itinerary, found.remedy)
 
 
 def not_conserved(name: str) -> Outcome:

@@ -60,7 +60,7 @@ def continue_branch(
     direction : str
         `both`, `forward` (growing parameter) or `backward`.
     marks : mapping, optional
-        Name of the free parameter, of an observable, or `period`, to values, or the word `extremum`.
+        Name of the free parameter, of an observable, or `period`, to values, or the itinerary `extremum`.
     period : float, optional
         Of orbits: seconds from the state back to it, nearly. Needed unless the system is forced.
     until : float or "settled", optional

@@ -20,7 +20,7 @@ from contwalk.workflow.run_file.simulate import SimulationFile
 from contwalk.workflow.run_file.starts import StartSpec
 
 if TYPE_CHECKING:
-    from contwalk.problems.stored_word import StoredWord
+    from contwalk.problems.stored_itinerary import StoredItinerary
     from contwalk.workflow.simulated import Simulated
 
 
@@ -84,12 +84,12 @@ def simulate(
     tables = [run.file("trajectory.csv"), run.file("events.csv")]
     database = run.file("trajectory.h5")
     refuse_existing([database, *tables, *(path for _, path in names)], force)
-    state, parameters, word = start_of(run.system, run.start)
+    state, parameters, itinerary = start_of(run.system, run.start)
     report = progress or (lambda t: None)
     if run.smooth:
         motion = _smoothly(run, state + run.perturbation, parameters, report)
     else:
-        motion = _through_transitions(run, state, word, parameters, report)
+        motion = _through_transitions(run, state, itinerary, parameters, report)
     trajectory = _trajectory(run, parameters, motion)
     write_trajectory(database, trajectory)
     _write_tables(trajectory, tables)
@@ -101,8 +101,8 @@ def simulate(
     return SimulationResult(trajectory, [database, *tables], drawn, *counts, motion.reason, motion.note)
 
 
-def start_of(system: Any, spec: StartSpec) -> tuple[np.ndarray, dict[str, float], StoredWord | None]:
-    """The state that a motion begins with, all parameters, and the word of a stored hybrid orbit.
+def start_of(system: Any, spec: StartSpec) -> tuple[np.ndarray, dict[str, float], StoredItinerary | None]:
+    """The state that a motion begins with, all parameters, and the itinerary of a stored hybrid orbit.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def start_of(system: Any, spec: StartSpec) -> tuple[np.ndarray, dict[str, float]
         assert spec.file is not None
         with spec.errors_placed():
             found = stored_point(spec.file, str(spec.point), system)
-        return found.state, {**found.parameters, **spec.given}, found.word
+        return found.state, {**found.parameters, **spec.given}, found.itinerary
     with spec.errors_placed():
         states = named_equilibria(system, str(spec.name), parameters)
     return np.array(states[0], dtype=float), parameters, None
@@ -183,7 +183,7 @@ def _smoothly(
 def _through_transitions(
     run: SimulationFile,
     state: np.ndarray,
-    word: StoredWord | None,
+    itinerary: StoredItinerary | None,
     parameters: Mapping[str, float],
     progress: Callable[[float], None],
 ) -> Simulated:
@@ -191,8 +191,8 @@ def _through_transitions(
     from contwalk.workflow.simulating_hybrid import Beginning, on_orbit, simulated
 
     beginning = Beginning(state, run.start.mode or run.system.modes[0].name, run.start.at)
-    if word is not None:
-        beginning = on_orbit(run.system, word)
+    if itinerary is not None:
+        beginning = on_orbit(run.system, itinerary)
     beginning = replace(beginning, state=beginning.state + run.perturbation)
     with run.start.errors_placed():
         return simulated(run.system, parameters, beginning, run.simulation, run.report_at, progress)

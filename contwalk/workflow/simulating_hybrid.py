@@ -17,7 +17,7 @@ from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.problems.orbit.layout import Layout
-from contwalk.problems.stored_word import StoredWord
+from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.system import System, Transition
 from contwalk.system.names import free_name
 from contwalk.workflow.run_file.motions import Simulation
@@ -47,16 +47,16 @@ class Beginning:
     time: float = 0.0
 
 
-def on_orbit(system: System, word: StoredWord) -> Beginning:
+def on_orbit(system: System, itinerary: StoredItinerary) -> Beginning:
     """Where the first leg of a stored orbit begins, right after the last one's transition."""
-    sizes = [len(system.states_of(mode)) for mode, _, _ in word.legs]
-    layout = Layout(sizes, system.period is not None, len(word.pins))
-    mode, state = word.legs[0][0], np.zeros(len(system.states))
-    state[list(system.states_of(mode))] = word.unknowns[layout.states[0]]
-    time = 0.0 if layout.start is None else float(word.unknowns[layout.start])
-    last = word.legs[-1][1]
-    if word.image:
-        last = system.symmetry(word.image).events.get(last, last)
+    sizes = [len(system.states_of(mode)) for mode, _, _ in itinerary.legs]
+    layout = Layout(sizes, system.period is not None, len(itinerary.pins))
+    mode, state = itinerary.legs[0][0], np.zeros(len(system.states))
+    state[list(system.states_of(mode))] = itinerary.unknowns[layout.states[0]]
+    time = 0.0 if layout.start is None else float(itinerary.unknowns[layout.start])
+    last = itinerary.legs[-1][1]
+    if itinerary.image:
+        last = system.symmetry(itinerary.image).events.get(last, last)
     return Beginning(state, mode, last=last or None, time=time)
 
 

@@ -13,7 +13,7 @@ from contwalk.errors import DatabaseError, StartError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.studies.opening import opened
 from contwalk.workflow.run_file.reading import RunFile, StartSpec
-from contwalk.workflow.stored.points import StoredWord, stored_point
+from contwalk.workflow.stored.points import StoredItinerary, stored_point
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Place:
 
     `orbit` says that it lies on a periodic orbit, of `period` seconds; with `until` a simulation finds it.
     Of a hybrid system, `mode` is the one that the state is in, `event` the transition that it is right
-    before; an orbit taken from a database comes with its `word`.
+    before; an orbit taken from a database comes with its `itinerary`.
     """
 
     state: np.ndarray
@@ -33,7 +33,7 @@ class Place:
     orbit: bool = False
     mode: str | None = None
     event: str | None = None
-    word: StoredWord | None = None
+    itinerary: StoredItinerary | None = None
 
 
 def places(run_file: RunFile) -> tuple[list[Place], list[str]]:
@@ -125,7 +125,7 @@ def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
     origin = f"{spec.point} of {spec.file.name}"
     if not np.isfinite(found.period):
         return Place(found.state, parameters, origin)
-    return Place(found.state, parameters, origin, period=found.period, orbit=True, word=found.word)
+    return Place(found.state, parameters, origin, period=found.period, orbit=True, itinerary=found.itinerary)
 
 
 def starts(
@@ -137,12 +137,12 @@ def starts(
     for place in found:
         given = system, place.parameters, free, place.state, settings, path, at, discretization
         if place.orbit or system.period is not None:
-            from contwalk.studies.opening_eventful import opened_word  # compiled flows
+            from contwalk.studies.opening_eventful import opened_itinerary  # compiled flows
             from contwalk.studies.opening_orbits import opened_orbit
 
-            if place.word is not None:
+            if place.itinerary is not None:
                 begins = system, place.parameters, free, settings
-                opening = opened_word(*begins, path, at, discretization, place.word)
+                opening = opened_itinerary(*begins, path, at, discretization, place.itinerary)
             else:
                 opening = opened_orbit(
                     *given, period=place.period, until=place.until, mode=place.mode, event=place.event

@@ -80,14 +80,14 @@ def _events(branch: Branch, system: System, place: ReportAt | None) -> tuple[str
     settings = branch.info.settings
     if "legs" not in settings:
         return ()
-    from contwalk.problems.orbit.word import named_word  # of machines with events alone
+    from contwalk.problems.orbit.itinerary import named_itinerary  # of machines with events alone
 
-    word = named_word(system, settings["legs"], settings["image"]).unfolded(system)
+    itinerary = named_itinerary(system, settings["legs"], settings["image"]).unfolded(system)
     asked = {observable.at: branch[observable.name] for observable in system.observables}
     asked |= {} if place is None else {place.event: branch.points["state"]}
     soft = {transition.name for transition in system.acting if transition.role == "soft"}
     met = [name for name, values in asked.items() if name in soft and np.any(np.isfinite(values))]
-    return tuple(dict.fromkeys([*(each.name for each in word.legs if each.name), *map(str, met)]))
+    return tuple(dict.fromkeys([*(each.name for each in itinerary.legs if each.name), *map(str, met)]))
 
 
 def _absent(branch: Branch, system: System, place: ReportAt | None, events: tuple[str, ...] | None) -> str:

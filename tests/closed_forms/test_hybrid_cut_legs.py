@@ -156,7 +156,7 @@ def cut(problem: HybridOrbit, z: np.ndarray, count: int) -> tuple[HybridOrbit, n
 @pytest.fixture(scope="module")
 def whole():
     problem, z = solution(forced(), "A", [0.0, 0.0], mode="free", until="settled")
-    assert len(problem.word) == 2
+    assert len(problem.itinerary) == 2
     fine = problem.adapted_to(z, problem.weighted(problem.mesh.magnitudes), 1e-12)
     return fine, z
 
@@ -216,7 +216,7 @@ class TestInSegments:
 
     def test_a_limit_on_the_way_has_exact_derivatives(self, parts):
         problem, z = parts
-        for leg, name in ((0, problem.word.legs[0].name), (1, problem.word.legs[1].name)):
+        for leg, name in ((0, problem.itinerary.legs[0].name), (1, problem.itinerary.legs[1].name)):
             limit = next(x for x in problem.limits if x.leg == leg and x.test == "rate")
             assert limit.name == name
             for test, share in (("rate", 1.0), ("dip", 0.4), ("dip", 0.9)):

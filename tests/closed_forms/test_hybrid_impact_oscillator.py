@@ -254,7 +254,7 @@ class TestBack:
 
     @pytest.mark.parametrize("policy", ["stop", "ignore", "switch"])
     def test_impact_arrives_with_no_speed(self, policy):
-        """A terminal grazing: no orbit of this word lies beyond, so `ignore` stops as well."""
+        """A terminal grazing: no orbit of this itinerary lies beyond, so `ignore` stops as well."""
         first, *others = self.study(policy)
         graze = stiffness(parameters(1.3, 0.1))
         (point,) = [q for q in first.special_points if q.label == "GR"]

@@ -146,7 +146,7 @@ def test_they_are_orbits_of_each_kind():
     kinds = [type(ORBITS[name]().problem).__name__ for name in ORBITS]
     assert kinds == ["PeriodicOrbit", "HybridOrbit", "SoftOrbit", "SoftOrbit"]
     problem = spring_and_wall().problem
-    words = {len(equations_at(problem, z)[0].explicit(z)[0].word) for z in orbits("spring and wall")}
+    words = {len(equations_at(problem, z)[0].explicit(z)[0].itinerary) for z in orbits("spring and wall")}
     assert words == {1, 3}  # the spring is reached on some of the orbits, on others not
 
 

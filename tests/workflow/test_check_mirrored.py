@@ -171,7 +171,7 @@ BOTH = {"right": "left", "left": "right"}
 
 def test_a_symmetry_that_is_used_needs_no_word():
     opening = started(BOTH)
-    assert opening.problem.word.image == "mirror"
+    assert opening.problem.itinerary.image == "mirror"
     assert opening.message == ""
 
 
@@ -185,6 +185,6 @@ def test_a_symmetry_that_is_used_needs_no_word():
 )
 def test_a_symmetry_that_is_not_used_is_told_with_the_reason(events, spring, softer, why):
     opening = started(events, spring, softer)
-    assert opening.problem.word.image == ""
+    assert opening.problem.itinerary.image == ""
     assert opening.message.startswith("Symmetry 'mirror' is not used: ")
     assert why in opening.message.replace("'right'", "'left'")  # whichever comes first

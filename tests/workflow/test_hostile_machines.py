@@ -133,7 +133,7 @@ def test_runs_do_not_tell_of_a_stop_or_a_push(tmp_path, monkeypatch, capsys):
     "name", ["relay of one threshold", "relay without hysteresis", "transitions for ever"]
 )
 def test_transitions_without_any_time_between_them_are_no_orbit(name, tmp_path, monkeypatch, capsys):
-    """They come back at once; a lap of no duration was taken for one of a family that conserves something."""
+    """They come back at once; a recurrence of no duration was taken for one of a conserving family."""
     monkeypatch.chdir(tmp_path)
     for code, said in told_by_runs(tmp_path, WRONG[name].source, RELAY_STATE, capsys):
         assert code == 1

@@ -1,7 +1,7 @@
-"""What the machine does a little beside a limit: simulated, and its word read off.
+"""What the machine does a little beside a limit: simulated, and its itinerary read off.
 
-Where no orbit of another word passes through the limit itself the motion beyond still tells how it goes on.
-Where an event is touched that leads into another mode, orbits that visit it may lie on this side of the
+Where no orbit of another itinerary passes through the limit itself the motion beyond still tells how it goes
+on. Where an event is touched that leads into another mode, orbits that visit it may lie on this side of the
 limit, as where an unstable orbit meets one that sticks: a motion out of that mode tells.
 """
 
@@ -24,11 +24,11 @@ from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.margin_values import ZERO
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
-from contwalk.problems.initial.event_recurrence import lap_from
+from contwalk.problems.initial.event_recurrence import recurrence_from
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.solving import newton_on
-from contwalk.problems.orbit.word import Word
 from contwalk.problems.problem import Seed
 from contwalk.signatures import folded
 
@@ -57,7 +57,7 @@ class Begin:
 def seeds(
     problem: DiscretizedOrbit, point: SpecialPoint, visited: Begin | None = None
 ) -> tuple[Sequence[Seed], str]:
-    """The orbit of another word a little beside a point, and in words what was found, or seen instead.
+    """The orbit of another itinerary a little beside a point, and in words what was found, or seen instead.
 
     `visited`: right after the event that is touched, where it leads into another mode.
     """
@@ -73,7 +73,7 @@ def seeds(
         except (ContwalkError, np.linalg.LinAlgError) as error:
             told += [first_sentence(str(error))] if begin is None else []
             continue
-        found = folded(seed.problem.word.signature(seed.problem.system)) or "no events"  # type: ignore[attr-defined]
+        found = folded(seed.problem.itinerary.signature(seed.problem.system)) or "no events"  # type: ignore[attr-defined]
         return (seed,), f"{words} the signature [{found}]: a branch of its own."
     return (), f"Beyond it: {told_once(told)}."
 
@@ -106,11 +106,11 @@ def _beginning(problem: DiscretizedOrbit, guess: np.ndarray) -> Begin:
     """
     x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])
     x = np.where(np.abs(x) < ROUNDED * problem.mesh.variation, 0.0, x)  # no magnitude of a state
-    word, time = problem.word, float(problem.starting_times(guess)[0])
-    event = word.leading_in(problem.system, 0)
+    itinerary, time = problem.itinerary, float(problem.starting_times(guess)[0])
+    event = itinerary.leading_in(problem.system, 0)
     if event and _goes_back(problem, problem.values_of(guess), event, time, x):
         raise ContwalkError(f"orbits of this signature would pass '{event}' the wrong way")
-    return Begin(time, x, word.legs[0].mode, event)
+    return Begin(time, x, itinerary.legs[0].mode, event)
 
 
 def _simulated(
@@ -123,9 +123,9 @@ def _simulated(
     ContwalkError
         If it does not come back, or its orbit is not the machine's.
     """
-    values, word = problem.values_of(guess), problem.word
+    values, itinerary = problem.values_of(guess), problem.itinerary
     begin = begin or _beginning(problem, guess)
-    lap = lap_from(
+    recurrence = recurrence_from(
         problem.system,
         values,
         begin.x,
@@ -136,12 +136,12 @@ def _simulated(
         least=SHORTEST * problem.duration(guess),
         longest=LONGEST * problem.duration(guess),
     )
-    lasted = sum(stretch.duration for stretch in lap.stretches)
-    if _alike(word, lap.word, round(lasted / problem.duration(guess))):
+    lasted = sum(stretch.duration for stretch in recurrence.stretches)
+    if _alike(itinerary, recurrence.itinerary, round(lasted / problem.duration(guess))):
         raise ContwalkError("the motion has the same signature still")
     line = replace(problem.line, parameters=values)
     rough, start = orbit_of(
-        type(problem), problem.system, line, float(guess[-1]), lap, problem.discretization
+        type(problem), problem.system, line, float(guess[-1]), recurrence, problem.discretization
     )
     weights = filled_magnitudes(rough, start)
     normal = np.zeros(len(start))
@@ -152,7 +152,7 @@ def _simulated(
     shorter, part = least(there, start)
     if shorter is not there:
         there, start, weights = shorter, part, filled_magnitudes(shorter, part)
-        if there.word in [word.rotated(problem.system, k) for k in range(len(word))]:
+        if there.itinerary in [itinerary.rotated(problem.system, k) for k in range(len(itinerary))]:
             raise ContwalkError("the motion has the same signature still, run through more than once")
         normal = np.zeros(len(start))
         normal[-1] = 1.0 / weights[-1]
@@ -175,7 +175,7 @@ def _goes_back(
 
     Beyond the point at which an event arrives with no rate, no state of the guess is one after a reset.
     """
-    flow = hybrid_machine(problem.system, values).mode(problem.word.legs[0].mode)
+    flow = hybrid_machine(problem.system, values).mode(problem.itinerary.legs[0].mode)
     own, sizes = x[flow.states], problem.mesh.variation[flow.states]
     standing = guard_statuses(flow, t, own, EPSILON * np.abs(own), sizes, (event,))
     return any(
@@ -185,9 +185,11 @@ def _goes_back(
     )
 
 
-def _alike(word: Word, lap: Word, times: int) -> bool:
-    """Whether a lap that lasts so many times as long is the word so many times, soft transitions aside."""
-    if not any(leg.soft for leg in (*word.legs, *lap.legs)):
-        return lap.legs == word.legs * times
-    own, other = ([leg.name for leg in each.legs if leg.name and not leg.soft] for each in (word, lap))
+def _alike(itinerary: Itinerary, recurrence: Itinerary, times: int) -> bool:
+    """Whether what lasts so many times as long is the itinerary so many times, soft transitions aside."""
+    if not any(leg.soft for leg in (*itinerary.legs, *recurrence.legs)):
+        return recurrence.legs == itinerary.legs * times
+    own, other = (
+        [leg.name for leg in each.legs if leg.name and not leg.soft] for each in (itinerary, recurrence)
+    )
     return other == own * times

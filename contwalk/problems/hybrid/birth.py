@@ -12,9 +12,9 @@ import numpy as np
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies
+from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.section import Section
-from contwalk.problems.orbit.word import Leg, Word
 from contwalk.problems.problem import Seed
 
 
@@ -29,13 +29,13 @@ def eventful(born: Seed) -> Seed:
     assert smooth.section is not None
     m, n = smooth.mesh.segments, smooth.states
     system, x = smooth.system, born.z[:n]
-    word = Word((Leg(system.modes[0].name),))
-    if smooth.pins or (m > 1 and (smooth.whole[1] > 1 or applies(system, word))):
+    itinerary = Itinerary((Leg(system.modes[0].name),))
+    if smooth.pins or (m > 1 and (smooth.whole[1] > 1 or applies(system, itinerary))):
         return born
-    kind = SoftOrbit if applies(system, word) else HybridOrbit
+    kind = SoftOrbit if applies(system, itinerary) else HybridOrbit
     problem = kind(
         system,
-        word,
+        itinerary,
         smooth.parameters,
         smooth.free,
         smooth.line.ends,

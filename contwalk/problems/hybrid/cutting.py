@@ -173,7 +173,7 @@ def copied(
     times, layout = source.starting_times(z), finer.layout
     result = np.concatenate([bare[:-1], np.zeros(layout.size + 1 - len(bare)), bare[-1:]])
     begins = start + np.concatenate([[0.0], np.cumsum(bare[layout.durations])])
-    goes_on = source.word.image or np.any(source.turns)
+    goes_on = source.itinerary.image or np.any(source.turns)
     for segment in layout.segments:
         if segment.begin == 0.0:
             continue

@@ -29,7 +29,7 @@ class HybridDiagnosis(OrbitDiagnosis):
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
         orbit = self._eventful
-        shrinks = (in_no_time, onto_an_event) if orbit.word.eventful else (at_a_point,)
+        shrinks = (in_no_time, onto_an_event) if orbit.itinerary.eventful else (at_a_point,)
         reasons = (not_conserved, *shrinks, homoclinic, unbounded)
         return next((outcome for reason in reasons if (outcome := reason(orbit, a, b)) is not None), None)
 

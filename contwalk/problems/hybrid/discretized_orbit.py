@@ -19,13 +19,13 @@ from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.shooting import LegMesh
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kinks import Course
+from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.layout import Layout, Segment, joined
 from contwalk.problems.orbit.orbit_data import Further, OrbitData
 from contwalk.problems.orbit.passage import Passage, passage_of
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
-from contwalk.problems.orbit.word import Word
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import System, Transition
 
@@ -36,7 +36,7 @@ Kind = TypeVar("Kind", bound="DiscretizedOrbit")
 
 
 class DiscretizedOrbit(OrbitData):
-    """Orbits of one word on given steps; see `HybridOrbit` for its parameters."""
+    """Orbits of one itinerary on given steps; see `HybridOrbit` for its parameters."""
 
     layout: Layout
     _mesh: LegMesh | None
@@ -44,13 +44,13 @@ class DiscretizedOrbit(OrbitData):
     def __init__(
         self,
         system: System,
-        word: Word,
+        itinerary: Itinerary,
         parameters: Mapping[str, float],
         free: str,
         path: Ends | None = None,
         **further: Unpack[Further],
     ) -> None:
-        self.word = word
+        self.itinerary = itinerary
         super().__init__(system, parameters, free, path, **further)
 
     def _begin(self) -> None:
@@ -59,18 +59,20 @@ class DiscretizedOrbit(OrbitData):
         # Segments of each leg; how many a stored branch has room for.
         self.cuts, self.room, self.layout = 1, None, _laid_out(self, 1)
 
-    def of_word(self, word: Word, times: int = 1, turns: np.ndarray | None = None) -> Self:
-        """The orbits of another word, lasting `times` as many periods of the forcing.
+    def of_itinerary(self, itinerary: Itinerary, times: int = 1, turns: np.ndarray | None = None) -> Self:
+        """The orbits of another itinerary, lasting `times` as many periods of the forcing.
 
         `turns` has the shape (n,).
         """
-        return self.like(type(self), word, times, turns)
+        return self.like(type(self), itinerary, times, turns)
 
-    def like(self, kind: type[Kind], word: Word, times: int = 1, turns: np.ndarray | None = None) -> Kind:
-        """As `of_word`, of a class of orbits."""
+    def like(
+        self, kind: type[Kind], itinerary: Itinerary, times: int = 1, turns: np.ndarray | None = None
+    ) -> Kind:
+        """As `of_itinerary`, of a class of orbits."""
         other = kind(
             self.system,
-            word,
+            itinerary,
             self.parameters,
             self.free,
             self.line.ends,
@@ -94,10 +96,10 @@ class DiscretizedOrbit(OrbitData):
 
     @property
     def cuttable(self) -> bool:
-        """Whether legs may be cut into segments: those of words that end with an event, and a single leg that
-        ends where it began.
+        """Whether legs may be cut into segments: those of itineraries that end with an event, and a single
+        leg that ends where it began.
         """
-        return self.word.eventful or len(self.word) == 1
+        return self.itinerary.eventful or len(self.itinerary) == 1
 
     def fitting(self, z: np.ndarray) -> Self:
         """The same problem with the segments of a solution, which its length tells."""
@@ -110,8 +112,10 @@ class DiscretizedOrbit(OrbitData):
         """The legs' compiled functions."""
         inputs = ScalarInputs(self.line.own, self.line.moving, self.pins)
         return tuple(
-            passage_of(self.system, leg, self.word.target(i), inputs, Closing(self.word.image_at(i)))
-            for i, leg in enumerate(self.word.legs)
+            passage_of(
+                self.system, leg, self.itinerary.target(i), inputs, Closing(self.itinerary.image_at(i))
+            )
+            for i, leg in enumerate(self.itinerary.legs)
         )
 
     def explicit(self, z: np.ndarray) -> tuple[DiscretizedOrbit, np.ndarray]:
@@ -175,7 +179,7 @@ class DiscretizedOrbit(OrbitData):
     @property
     def events(self) -> list[tuple[int, Transition]]:
         """The legs that last until an event whose guard depends on the states, and that event."""
-        each = [(i, leg.transition) for i, leg in enumerate(self.word.legs) if not leg.collapsed]
+        each = [(i, leg.transition) for i, leg in enumerate(self.itinerary.legs) if not leg.collapsed]
         return [(i, own) for i, own in each if own and not self.passages[i].of_time_alone(own)]
 
     @property
@@ -228,14 +232,14 @@ class DiscretizedOrbit(OrbitData):
 
 def _laid_out(orbit: DiscretizedOrbit, cuts: int) -> Layout:
     """Where what stands with so many segments in each leg; one that is collapsed has one."""
-    sizes = [len(orbit.system.states_of(leg.mode)) for leg in orbit.word.legs]
-    each = [1 if leg.collapsed else cuts for leg in orbit.word.legs]
+    sizes = [len(orbit.system.states_of(leg.mode)) for leg in orbit.itinerary.legs]
+    each = [1 if leg.collapsed else cuts for leg in orbit.itinerary.legs]
     return Layout(sizes, orbit.forced, len(orbit.pins), each)
 
 
 def added_by_cuts(orbit: DiscretizedOrbit) -> int:
     """How many unknowns each further segment in all legs adds."""
-    each = zip(orbit.word.legs, orbit.layout.sizes, strict=True)
+    each = zip(orbit.itinerary.legs, orbit.layout.sizes, strict=True)
     return sum(n for leg, n in each if not leg.collapsed)
 
 
@@ -283,7 +287,7 @@ def _segments_of(
 
 def _left(orbit: DiscretizedOrbit, i: int) -> Collection[str]:
     """Transitions whose guards are zero where leg i starts, if what leads into it is hard."""
-    before, word = orbit.word.legs[i - 1].transition, orbit.word
+    before, itinerary = orbit.itinerary.legs[i - 1].transition, orbit.itinerary
     if before is None or before.role != "hard":
         return ()
-    return orbit.system.left_at_zero(word.leading_in(orbit.system, i), word.legs[i].mode)
+    return orbit.system.left_at_zero(itinerary.leading_in(orbit.system, i), itinerary.legs[i].mode)

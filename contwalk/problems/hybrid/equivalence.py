@@ -30,7 +30,7 @@ def same(orbit: DiscretizedOrbit, a: Sample, b: Sample) -> bool:
         )
     if len(a.z) != len(b.z):
         return False
-    if not (orbit.word.eventful or orbit.forced):
+    if not (orbit.itinerary.eventful or orbit.forced):
         return first_passed(orbit, b.z, [orbit.first_state(a.z)]) is not None
     there = orbit.nearest_turn(a.z, b.z)
     return bool(np.linalg.norm((there - b.z) / b.weights) < 30.0 * ALIKE)
@@ -43,7 +43,7 @@ def first_passed(orbit: DiscretizedOrbit, z: np.ndarray, points: Sequence[np.nda
     z has the shape (N + 1,), each point (n,).
     """
     periods = np.array([s.period or 0.0 for s in orbit.system.states])
-    if not (orbit.word.eventful or orbit.pins):
+    if not (orbit.itinerary.eventful or orbit.pins):
         curve = np.concatenate([stretch.at(CLOSELY)[1] for stretch in orbit.stretches(z)])
         scale = orbit.mesh.variation
         near = (k for k, x in enumerate(points) if distance(curve, x, periods, scale) < 30.0 * ALIKE)

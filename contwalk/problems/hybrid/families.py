@@ -10,7 +10,7 @@ import numpy as np
 
 from contwalk.flow.compiled.traced import generator_field
 from contwalk.flow.hybrid.machine import HybridMachine
-from contwalk.problems.hybrid.lap import Lap
+from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.neutral import directions
 from contwalk.system import Neutral, Transition
 
@@ -20,14 +20,16 @@ NEUTRAL, VANISHES = 1e-10, 1e-9
 DEPENDENT = 1e-6
 
 
-def active(machine: HybridMachine, lap: Lap) -> list[Neutral]:
-    """The generators that are neutral along a lap, without those that depend on earlier ones."""
+def active(machine: HybridMachine, recurrence: HybridRecurrence) -> list[Neutral]:
+    """The generators that are neutral along a recurrence, without those that depend on earlier ones."""
     found: list[Neutral] = []
-    scale = lap.magnitudes
+    scale = recurrence.magnitudes
     for neutral in machine.system.neutral:
-        if not all(_kept(machine, neutral, lap, k) for k in range(len(lap.stretches))):
+        if not all(_kept(machine, neutral, recurrence, k) for k in range(len(recurrence.stretches))):
             continue
-        together = directions(machine.system, [*found, neutral], lap.stretches[0].state, machine.parameters)
+        together = directions(
+            machine.system, [*found, neutral], recurrence.stretches[0].state, machine.parameters
+        )
         sizes = np.linalg.svd(together / scale[:, None], compute_uv=False)
         if sizes[-1] > DEPENDENT * sizes[0]:
             found.append(neutral)
@@ -59,34 +61,38 @@ def commutes(
     return True
 
 
-def broken_by_events(machine: HybridMachine, lap: Lap) -> dict[str, Transition]:
-    """Generators that all fields of a lap carry along, by name, with the first event that breaks each."""
+def broken_by_events(machine: HybridMachine, recurrence: HybridRecurrence) -> dict[str, Transition]:
+    """Generators that all fields of a recurrence carry along, by name, with the first event that breaks each
+    one.
+    """
     found: dict[str, Transition] = {}
     for neutral in machine.system.neutral:
-        if not all(_carried(machine, neutral, lap, k) for k in range(len(lap.stretches))):
+        if not all(_carried(machine, neutral, recurrence, k) for k in range(len(recurrence.stretches))):
             continue
-        legs = [stretch.leg for stretch in lap.stretches]
-        broken = (leg.transition for k, leg in enumerate(legs) if not _passed(machine, neutral, lap, k))
+        legs = [stretch.leg for stretch in recurrence.stretches]
+        broken = (
+            leg.transition for k, leg in enumerate(legs) if not _passed(machine, neutral, recurrence, k)
+        )
         first = next(broken, None)
         if first is not None:
             found[neutral.name] = first
     return found
 
 
-def _kept(machine: HybridMachine, neutral: Neutral, lap: Lap, k: int) -> bool:
+def _kept(machine: HybridMachine, neutral: Neutral, recurrence: HybridRecurrence, k: int) -> bool:
     """Whether a stretch and the transition that ends it keep a generator."""
-    return _carried(machine, neutral, lap, k) and _passed(machine, neutral, lap, k)
+    return _carried(machine, neutral, recurrence, k) and _passed(machine, neutral, recurrence, k)
 
 
-def _carried(machine: HybridMachine, neutral: Neutral, lap: Lap, k: int) -> bool:
+def _carried(machine: HybridMachine, neutral: Neutral, recurrence: HybridRecurrence, k: int) -> bool:
     """Whether the field of a stretch carries a generator along."""
-    stretch = lap.stretches[k]
-    return commutes(machine, neutral, stretch.leg.mode, stretch.start, stretch.state, lap.magnitudes)
+    stretch = recurrence.stretches[k]
+    return commutes(machine, neutral, stretch.leg.mode, stretch.start, stretch.state, recurrence.magnitudes)
 
 
-def _passed(machine: HybridMachine, neutral: Neutral, lap: Lap, k: int) -> bool:
+def _passed(machine: HybridMachine, neutral: Neutral, recurrence: HybridRecurrence, k: int) -> bool:
     """Whether the transition that ends a stretch, if one does, takes a generator to itself."""
-    stretch, scale = lap.stretches[k], lap.magnitudes
+    stretch, scale = recurrence.stretches[k], recurrence.magnitudes
     mode, transition = stretch.leg.mode, stretch.leg.transition
     if transition is None:
         return True

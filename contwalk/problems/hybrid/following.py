@@ -1,4 +1,4 @@
-"""Whether a simulation from an orbit's first state goes round in the orbit's word."""
+"""Whether a simulation from an orbit's first state goes round in the orbit's itinerary."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SAME_TIME, SAME_STATE = 1e-3, 1e-2
 
 
 def follows(problem: DiscretizedOrbit, z: np.ndarray) -> str | None:
-    """None if a simulation over one closure meets the events of the word, in their order; else what
+    """None if a simulation over one closure meets the events of the itinerary, in their order; else what
     it meets.
 
     Where deviations grow by so much that no simulation goes round, each segment is simulated by itself.
@@ -36,10 +36,10 @@ def follows(problem: DiscretizedOrbit, z: np.ndarray) -> str | None:
 
 def _round(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray) -> str | None:
     """As `follows`, of one simulation."""
-    times, legs = problem.starting_times(z), problem.word.legs
+    times, legs = problem.starting_times(z), problem.itinerary.legs
     x = problem.passages[0].full(problem.layout.inputs(0, z)[0])
-    last = problem.word.leading_in(problem.system, 0) or None
-    end = float(times[-1]) + _room(problem, z) if problem.word.eventful else float(times[-1])
+    last = problem.itinerary.leading_in(problem.system, 0) or None
+    end = float(times[-1]) + _room(problem, z) if problem.itinerary.eventful else float(times[-1])
     control = Control(TOLERANCE, problem.mesh.variation)
     run = motion_segments(machine, float(times[0]), x, legs[0].mode, end, control, last)
     for i, leg in enumerate(legs):
@@ -58,7 +58,7 @@ def _along(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray, seg
     passage, begins, whole = problem.passages[i], problem.starting_times(z)[i], z[layout.durations][i]
     leg, start, end = passage.leg, float(begins + segment.begin * whole), float(begins + segment.end * whole)
     ends_here = segment.last and leg.transition is not None
-    last = (problem.word.leading_in(problem.system, i) or None) if segment.begin == 0.0 else None
+    last = (problem.itinerary.leading_in(problem.system, i) or None) if segment.begin == 0.0 else None
     until = end + _room(problem, z) if ends_here else end
     x, control = passage.full(z[segment.states]), Control(TOLERANCE, problem.mesh.variation)
     arc = next(motion_segments(machine, start, x, leg.mode, until, control, last), None)
@@ -77,7 +77,7 @@ def _room(problem: DiscretizedOrbit, z: np.ndarray) -> float:
 
 def _ends_alike(problem: DiscretizedOrbit, z: np.ndarray, i: int, arc: MotionSegment) -> str | None:
     """None if an arc ends as leg i does; else how it does."""
-    times, legs = problem.starting_times(z), problem.word.legs
+    times, legs = problem.starting_times(z), problem.itinerary.legs
     leg = legs[i]
     if arc.status != "ok":
         return arc.reason or arc.status
@@ -90,7 +90,7 @@ def _ends_alike(problem: DiscretizedOrbit, z: np.ndarray, i: int, arc: MotionSeg
     after = arc.after if arc.after is not None else arc.states[-1]
     expected = problem.passages[following].full(problem.layout.inputs(following, z)[0])
     if following == 0:
-        symmetry = problem.system.symmetry(problem.word.image) if problem.word.image else None
+        symmetry = problem.system.symmetry(problem.itinerary.image) if problem.itinerary.image else None
         expected = expected + problem.turns
         after = imaged(symmetry, after, ParameterValues(**problem.values_of(z)))
     along = neutrals.directions(problem.system, problem.pins, expected, problem.values_of(z))

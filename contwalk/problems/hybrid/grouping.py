@@ -1,5 +1,5 @@
-"""Which legs of an explicit word are pieces of one leg between hard transitions; their unknowns. Where there
-are no hard ones that leg is the whole closure.
+"""Which legs of an explicit itinerary are pieces of one leg between hard transitions; their unknowns. Where
+there are no hard ones that leg is the whole closure.
 
 Unknowns that are left: the state at the start of each group, its whole duration, and what belongs to no leg.
 Eliminated: the states at the starts of the other pieces, and the durations of all pieces but a group's last.
@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.layout import Layout
-from contwalk.problems.orbit.word import Word
 
 # A little time, in parts of the closure's.
 NO_TIME = 1e-6
 
 
 class Grouping:
-    """The groups of a word that does not end with a soft transition.
+    """The groups of an itinerary that does not end with a soft transition.
 
     Attributes
     ----------
@@ -27,10 +27,10 @@ class Grouping:
         Equations that are left, in the order of their own layout, and those that are eliminated.
     """
 
-    def __init__(self, word: Word, layout: Layout) -> None:
+    def __init__(self, itinerary: Itinerary, layout: Layout) -> None:
         self.layout = layout
         self.groups: list[list[int]] = [[]]
-        for i, leg in enumerate(word.legs):
+        for i, leg in enumerate(itinerary.legs):
             self.groups[-1].append(i)
             if not leg.soft:
                 self.groups.append([])

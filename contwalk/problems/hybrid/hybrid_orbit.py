@@ -41,13 +41,13 @@ from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kink import Kink
 from contwalk.problems.orbit import equations, monodromy
+from contwalk.problems.orbit.itinerary import stored_leg
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.stretch import Stretch
-from contwalk.problems.orbit.word import stored_leg
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Test
 
 # Multipliers whose difference has a smaller square meet, to rounding.
@@ -55,7 +55,8 @@ MEET = 1e-12
 
 
 class HybridOrbit(DiscretizedOrbit, OrbitProblem):
-    """Orbits of one word: the legs' ends are the next ones' starts, and each ends where its guard is zero.
+    """Orbits of one itinerary: the legs' ends are the next ones' starts, and each ends where its guard is
+    zero.
 
     Newton's method never looks for an event: durations are unknowns, and a guard is an equation. So the
     equations are smooth, and stay regular where an event grazes. An orbit without events is one leg that ends
@@ -66,7 +67,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     Parameters
     ----------
     system : System
-    word : Word
+    itinerary : Itinerary
     parameters : mapping
         Values of all parameters.
     free : str
@@ -170,7 +171,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     @property
     def _factored(self) -> Callable[[np.ndarray, np.ndarray], Factorization]:
         # An equation of the phase is one of the first leg's start: the chain has no place for it.
-        return partial(condensed.factored, self.layout) if self.word.eventful else Factored
+        return partial(condensed.factored, self.layout) if self.itinerary.eventful else Factored
 
     # -- stored with a branch ----------------------------------------------------------------------------
 
@@ -182,13 +183,13 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
             "unknowns": self.cut_into(cutting.room(self)).size,
             "spectrum": max(self.spectrum_size, 1),
             "closure": self.whole[0],
-            "signature": self.word.signature(self.system),
+            "signature": self.itinerary.signature(self.system),
             "subharmonic": self.subharmonic,
             "settings": {
                 **neutrals.kept(self.pins, self.line, self.states),
-                "legs": [stored_leg(leg) for leg in self.word.legs],
+                "legs": [stored_leg(leg) for leg in self.itinerary.legs],
                 "fold": self.whole[1],
-                "image": self.word.image,
+                "image": self.itinerary.image,
                 "turns": self.turns.tolist(),
                 "reported": observing.place(self),
                 "room": cutting.room(self),

@@ -47,7 +47,7 @@ def fitted(
     across = (normal * weights) ** 2
     if float(across[problem.layout.durations].sum()) < SHARE * float(across.sum()):
         return None
-    if problem.forced or problem.pins or not problem.word.eventful:
+    if problem.forced or problem.pins or not problem.itinerary.eventful:
         return None
     machine, result = hybrid_machine(problem.system, problem.values_of(z)), z.copy()
     events = {i for i, _ in problem.events}
@@ -67,10 +67,10 @@ def _until_met(
 ) -> float | None:
     """How long a simulation from the start of a leg's last segment lasts until the leg's event, if ever."""
     i, mesh, (x, scalars) = segment.leg, problem.mesh, problem.layout.inputs_of(segment, z)
-    leg, longest = problem.word.legs[i], LONGEST * float(scalars[0])
+    leg, longest = problem.itinerary.legs[i], LONGEST * float(scalars[0])
     if not longest > 0.0:
         return None
-    last = (problem.word.leading_in(problem.system, i) or None) if segment.begin == 0.0 else None
+    last = (problem.itinerary.leading_in(problem.system, i) or None) if segment.begin == 0.0 else None
     start = problem.passages[i].full(x)
     control = Control(mesh.tolerance, mesh.variation, mesh.method, watched=False)
     arc = next(motion_segments(machine, 0.0, start, leg.mode, longest, control, last), None)

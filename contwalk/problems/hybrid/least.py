@@ -17,7 +17,7 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.hybrid.switching import discretized, shifted
 from contwalk.problems.orbit.closure import imaged, order_of
-from contwalk.problems.orbit.word import Leg, Word, has_image, imaged_leg
+from contwalk.problems.orbit.itinerary import Itinerary, Leg, has_image, imaged_leg
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
 
@@ -46,11 +46,11 @@ def repetitions(problem: DiscretizedOrbit, z: np.ndarray) -> int:
 
 
 def _divisions(problem: DiscretizedOrbit) -> Iterator[int]:
-    """Into how many equal parts an orbit of its word may be divided, the most first."""
-    most = problem.layout.legs if problem.word.eventful else max(problem.subharmonic, 2)
+    """Into how many equal parts an orbit of its itinerary may be divided, the most first."""
+    most = problem.layout.legs if problem.itinerary.eventful else max(problem.subharmonic, 2)
     for times in range(most, 1, -1):
         whole = not problem.forced or problem.subharmonic % times == 0
-        if whole and problem.word.has_parts(problem.system, times):
+        if whole and problem.itinerary.has_parts(problem.system, times):
             yield times
 
 
@@ -72,17 +72,17 @@ def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
 
 
 def _repeated(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> bool:
-    """Whether an orbit of a word that repeats itself meets itself after the first of so many parts."""
+    """Whether an orbit of an itinerary that repeats itself meets itself after the first of so many parts."""
     return all(apart < ALIKE for apart in _between_parts(problem, z, times))
 
 
 def _between_parts(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> Iterator[float]:
-    """How far an orbit of a word that repeats itself is from itself after the first of so many parts."""
-    if not problem.word.eventful:
+    """How far an orbit of an itinerary that repeats itself is from itself after the first of some parts."""
+    if not problem.itinerary.eventful:
         yield _apart(problem, z, _part_way(problem, z, times), 0, problem.turns / times)
         return
     part = problem.layout.legs // times
-    symmetry, p = _symmetry(problem, problem.word.image), ParameterValues(**problem.values_of(z))
+    symmetry, p = _symmetry(problem, problem.itinerary.image), ParameterValues(**problem.values_of(z))
     turns = np.zeros(problem.states) if symmetry else problem.turns / times
     for i in range(problem.layout.legs - part):
         yield _apart(problem, z, imaged(symmetry, _start(problem, z, i + part), p), i, turns)
@@ -114,19 +114,19 @@ def _symmetry(problem: DiscretizedOrbit, name: str) -> Symmetry | None:
 
 
 def divided(problem: Kind, z: np.ndarray, times: int) -> tuple[Kind, np.ndarray]:
-    """The problem of the first part of a word that repeats itself, and the same part of the orbit.
+    """The problem of the first part of an itinerary that repeats itself, and the same part of the orbit.
 
     z has the shape (N + 1,) of its problem, before and after.
     """
-    if problem.word.eventful:
-        return _beginning(problem, z, problem.layout.legs // times, times, problem.word.image)
+    if problem.itinerary.eventful:
+        return _beginning(problem, z, problem.layout.legs // times, times, problem.itinerary.image)
     layout, whole, z = problem.layout, z, cutting.bare(problem, z)
     ends = np.cumsum(z[layout.durations])
     at = float(ends[-1]) / times
     last = min(int(np.searchsorted(ends, at)), layout.legs - 1)
     lasting = np.diff([0.0, *ends[:last], at])
-    word = Word((*problem.word.legs[:last], Leg(problem.word.legs[last].mode)))
-    other = problem.of_word(word, turns=problem.turns / times)
+    itinerary = Itinerary((*problem.itinerary.legs[:last], Leg(problem.itinerary.legs[last].mode)))
+    other = problem.of_itinerary(itinerary, turns=problem.turns / times)
     other.subharmonic = max(problem.subharmonic // times, 1)
     states = z[: layout.states[last].stop]
     start = np.concatenate([states, lasting, z[layout.durations.stop :]])
@@ -141,7 +141,7 @@ def _beginning(problem: Kind, z: np.ndarray, legs: int, times: int, image: str) 
     states, lasting = slice(0, layout.states[legs].start), layout.durations.start
     start = np.concatenate([z[states], z[lasting : lasting + legs], z[layout.rest], z[-1:]])
     start = cutting.completed(start, cutting.blocks(problem, z)[:legs])
-    other = problem.of_word(Word(problem.word.legs[:legs], image), turns=problem.turns / times)
+    other = problem.of_itinerary(Itinerary(problem.itinerary.legs[:legs], image), turns=problem.turns / times)
     other.subharmonic = max(problem.subharmonic // times, 1)
     there = discretized(other, start)
     return there, shifted(there, start)
@@ -159,11 +159,11 @@ def own_image(problem: DiscretizedOrbit, z: np.ndarray) -> str:
 
 
 def _swapping(problem: DiscretizedOrbit, z: np.ndarray) -> Iterator[Symmetry]:
-    """Symmetries that take the first half of a whole orbit's word to the second."""
+    """Symmetries that take the first half of a whole orbit's itinerary to the second."""
     half, rest = divmod(problem.layout.legs, 2)
-    if rest or problem.word.image or not problem.word.eventful or np.any(problem.turns):
+    if rest or problem.itinerary.image or not problem.itinerary.eventful or np.any(problem.turns):
         return
-    first, second = problem.word.legs[:half], problem.word.legs[half:]
+    first, second = problem.itinerary.legs[:half], problem.itinerary.legs[half:]
     system, p = problem.system, ParameterValues(**problem.values_of(z))
     for symmetry in _spatial(system):
         if order_of(symmetry, _start(problem, z, 0), p) != 2:
@@ -215,21 +215,22 @@ def _spans(problem: DiscretizedOrbit, z: np.ndarray) -> list[Span]:
 
 
 def unused_symmetries(problem: DiscretizedOrbit, z: np.ndarray) -> str:
-    """Why no orbit of this word is closed up to a declared symmetry, a sentence each; empty if one may be.
+    """Why no orbit of this itinerary is closed up to a declared symmetry, a sentence each; empty if one
+    may be.
 
     That an orbit is not its own image is no reason: the machine is not, or orbits without events are followed
     as they are.
 
     z has the shape (N + 1,).
     """
-    if problem.word.image:
+    if problem.itinerary.image:
         return ""
     reasons = {symmetry.name: _unused(problem, z, symmetry) for symmetry in _spatial(problem.system)}
     return " ".join(f"Symmetry '{name}' is not used: {why}." for name, why in reasons.items() if why)
 
 
 def _unused(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> str:
-    if not problem.word.eventful:
+    if not problem.itinerary.eventful:
         return "an orbit without events is followed over its whole period"
     if order_of(symmetry, _start(problem, z, 0), ParameterValues(**problem.values_of(z))) != 2:
         return "its map is not its own inverse"

@@ -19,11 +19,11 @@ from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.augmented import Near
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.discretization import SOLVED
+from contwalk.problems.orbit.itinerary import imaged_leg
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.orbit.watching import Watched
-from contwalk.problems.orbit.word import imaged_leg
 from contwalk.problems.problem import Located, Sample
 from contwalk.system import Transition
 
@@ -133,7 +133,7 @@ def system_of(
 
 def _doubtful(problem: DiscretizedOrbit, limit: Limit) -> tuple[int, ...]:
     """The legs that may have vanished where a limit is met: its own, or the one that its event leads to."""
-    own = problem.word.legs[limit.leg].name == limit.name
+    own = problem.itinerary.legs[limit.leg].name == limit.name
     if limit.test == "rate" or (limit.test == "dip" and own):
         return limit.leg, (limit.leg + 1) % problem.layout.legs
     return (limit.leg,) if limit.test == "duration" else ()
@@ -144,7 +144,7 @@ def _vanishes(problem: DiscretizedOrbit, i: int, sample: Near) -> bool:
 
     Then guard and rate at its end are zero wherever it lasts no time: its equation says nothing there.
     """
-    transition, duration = problem.word.legs[i].transition, float(sample.z[problem.layout.durations][i])
+    transition, duration = problem.itinerary.legs[i].transition, float(sample.z[problem.layout.durations][i])
     if transition is None or abs(duration) > LITTLE * problem.mesh.total or collapses(problem, i):
         return False
     view = problem.view(_solution(problem, sample))[i]  # of a guess no guard is zero
@@ -188,13 +188,13 @@ def collapses(problem: DiscretizedOrbit, i: int) -> bool:
     One that has led into the leg as well is zero there, whatever the orbit; and one that acts in the leg
     before, too, happens earlier than what ends that one.
     """
-    leg, word, system = problem.word.legs[i], problem.word, problem.system
+    leg, itinerary, system = problem.itinerary.legs[i], problem.itinerary, problem.system
     own = leg.transition
     if own is None or not own.level:
         return False
-    before = word.legs[i - 1]
-    if i == 0 and word.image:
-        before = imaged_leg(system, word.image, before)
+    before = itinerary.legs[i - 1]
+    if i == 0 and itinerary.image:
+        before = imaged_leg(system, itinerary.image, before)
     armed = any(t.guard is own.guard or t.name == own.name for t in system.leaving(before.mode))
     return not armed and leg.name not in system.left_at_zero(before.name, leg.mode)
 
@@ -210,7 +210,7 @@ def _vanishing(problem: DiscretizedOrbit, which: int, i: int, sample: Near) -> a
     that are zero.
     """
     size, gone = problem.size, [i, *_vanishing_with(problem, i, sample)]
-    transition = problem.word.legs[i].transition
+    transition = problem.itinerary.legs[i].transition
     assert transition is not None
     order = _first_derivative(problem, i, transition, sample)
 
@@ -246,7 +246,7 @@ def _around(problem: DiscretizedOrbit, gone: Sequence[int]) -> tuple[int, ...]:
 
     Solutions beside that point are hardly known: of all equations only one tells whether the leg lasts.
     """
-    legs, m = problem.word.legs, problem.layout.legs
+    legs, m = problem.itinerary.legs, problem.layout.legs
     beside = {(i + k) % m: {legs[i].name, legs[(i - 1) % m].name} for i in gone for k in (-1, 0, 1)}
     return tuple(k for k, limit in enumerate(problem.limits) if limit.name in beside.get(limit.leg, ()))
 

@@ -65,5 +65,5 @@ def _given(orbit: DiscretizedOrbit, z: np.ndarray) -> tuple:
     line, held = orbit.line, orbit.reference if orbit.pins else None
     numbers = (orbit.turns, line.direction, np.zeros(0) if held is None else held)
     values = tuple(orbit.values_of(z).items()), *(each.tobytes() for each in numbers)
-    kinds = orbit.word, line.free, orbit.pins, orbit.subharmonic, orbit.discretization
+    kinds = orbit.itinerary, line.free, orbit.pins, orbit.subharmonic, orbit.discretization
     return *kinds, *values

@@ -28,18 +28,18 @@ LABELS = tuple(KINDS)
 
 def transition_of(problem: DiscretizedOrbit, limit: Limit) -> Transition:
     """The transition that a limit is about, out of its leg's mode."""
-    return problem.system.transition(limit.name, problem.word.legs[limit.leg].mode)
+    return problem.system.transition(limit.name, problem.itinerary.legs[limit.leg].mode)
 
 
 def limits_of(problem: DiscretizedOrbit) -> tuple[Limit, ...]:
-    """All limits of a word's orbits, in a fixed order."""
-    system, word, found = problem.system, problem.word, []
-    for i, leg in enumerate(word.legs):
+    """All limits of an itinerary's orbits, in a fixed order."""
+    system, itinerary, found = problem.system, problem.itinerary, []
+    for i, leg in enumerate(itinerary.legs):
         if leg.collapsed:
             assert leg.transition is not None
             found += _of_collapsed(system, leg.mode, leg.transition, i)
         else:
-            found += limits_of_leg(system, leg.mode, leg.transition, word.leading_in(system, i), i)
+            found += limits_of_leg(system, leg.mode, leg.transition, itinerary.leading_in(system, i), i)
     return tuple(found)
 
 

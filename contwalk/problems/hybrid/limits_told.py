@@ -12,8 +12,8 @@ from contwalk.problems.problem import Located
 
 def place_of(problem: DiscretizedOrbit, limit: Limit, located: Located) -> str:
     """Where in the cycle a limit is met."""
-    leg = problem.word.legs[limit.leg]
-    event = problem.word.leading_in(problem.system, limit.leg)
+    leg = problem.itinerary.legs[limit.leg]
+    event = problem.itinerary.leading_in(problem.system, limit.leg)
     begins = "the start of the period" if problem.forced else "the orbit's start"
     before = f"'{event}'" if event else begins
     after = problem.system.lasting(float(located.vectors["seconds"]), ".10g")

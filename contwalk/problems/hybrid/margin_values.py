@@ -187,12 +187,12 @@ def _leaving(watch: _Watch) -> tuple[float, float, float]:
 
 
 def guarded(problem: DiscretizedOrbit) -> tuple[Guarded | None, ...]:
-    """The guard that each of the limits of a word's orbits is one of, if a sampled leg has it."""
+    """The guard that each of the limits of an itinerary's orbits is one of, if a sampled leg has it."""
     known: dict[tuple[int, str], Guarded] = {}
     found: list[Guarded | None] = []
     for limit in problem.limits:
         key = limit.leg, limit.name
-        if limit.test in ("duration", "condition") or problem.word.legs[limit.leg].collapsed:
+        if limit.test in ("duration", "condition") or problem.itinerary.legs[limit.leg].collapsed:
             found.append(None)
             continue
         if key not in known:
@@ -203,10 +203,10 @@ def guarded(problem: DiscretizedOrbit) -> tuple[Guarded | None, ...]:
 
 def _guarded(problem: DiscretizedOrbit, i: int, transition: Transition) -> Guarded:
     """A guard on leg i."""
-    system, word, passage = problem.system, problem.word, problem.passages[i]
-    leg, before = word.legs[i], word.legs[i - 1]
+    system, itinerary, passage = problem.system, problem.itinerary, problem.passages[i]
+    leg, before = itinerary.legs[i], itinerary.legs[i - 1]
     own, clock = transition == leg.transition, passage.of_time_alone(transition)
-    opens = _goes_on(before.transition) and not (i == 0 and word.image)
+    opens = _goes_on(before.transition) and not (i == 0 and itinerary.image)
     return Guarded(
         transition,
         passage.leaving.index(transition),
@@ -217,7 +217,7 @@ def _guarded(problem: DiscretizedOrbit, i: int, transition: Transition) -> Guard
         _goes_on(leg.transition),
         opens and any(t.name == transition.name for t in system.leaving(before.mode)),
         clock,
-        transition.name in system.passed(word.leading_in(system, i), leg.mode),
+        transition.name in system.passed(itinerary.leading_in(system, i), leg.mode),
         transition.role == "hard" and not transition.at_entry and transition.direction != "both",
     )
 
@@ -331,7 +331,7 @@ def _at_end(watch: _Watch) -> float:
 def guard_scales(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """Largest value of each leg's own guard on it, shape (m,); 1 where there is none."""
     scales = np.ones(problem.layout.legs)
-    for i, (leg, view) in enumerate(zip(problem.word.legs, problem.view(z), strict=True)):
+    for i, (leg, view) in enumerate(zip(problem.itinerary.legs, problem.view(z), strict=True)):
         if leg.transition is None:
             continue
         if leg.collapsed:  # what is zero is its duration

@@ -18,7 +18,7 @@ def magnitudes_near(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """
     every = np.concatenate([view.full(view.nodes) for view in orbit.view(z)])
     half = 0.5 * np.ptp(every, axis=0)
-    if orbit.word.image and not np.all(half > 0.0):  # held until the image follows
+    if orbit.itinerary.image and not np.all(half > 0.0):  # held until the image follows
         whole = np.vstack([every, _images(orbit, z, every)])
         half = np.where(half > 0.0, half, 0.5 * np.ptp(whole, axis=0))
     largest = np.maximum(np.abs(every).max(axis=0), orbit.mesh.magnitudes)
@@ -42,7 +42,7 @@ def magnitudes_near(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
 
 def _images(orbit: DiscretizedOrbit, z: np.ndarray, states: np.ndarray) -> np.ndarray:
     """States of the part of the orbit that follows."""
-    symmetry, p = orbit.system.symmetry(orbit.word.image), ParameterValues(**orbit.values_of(z))
+    symmetry, p = orbit.system.symmetry(orbit.itinerary.image), ParameterValues(**orbit.values_of(z))
     return np.array([imaged(symmetry, x, p) for x in states])
 
 

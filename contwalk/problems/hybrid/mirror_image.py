@@ -17,9 +17,9 @@ from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.limits import LABELS as LIMITS
 from contwalk.problems.images import Product, products
+from contwalk.problems.orbit.itinerary import Leg, has_image, image_of
 from contwalk.problems.orbit.mirror_of_orbits import MirrorOfOrbits
 from contwalk.problems.orbit.stored_discretizations import vectors_of
-from contwalk.problems.orbit.word import Leg, has_image, image_of
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
 
@@ -30,15 +30,15 @@ def mirror_of(problem: DiscretizedOrbit, sample: Sample) -> HybridMirror | None:
     None where no declared symmetry, or product of some, does; for orbits that close up to a symmetry, turn,
     meet no event, or are held along neutral directions it is not looked for.
     """
-    word = problem.word
+    itinerary = problem.itinerary
     if any(transition.role == "soft" for transition in problem.system.transitions):
         return None  # that soft transitions are images of each other is not looked for
-    if word.image or not word.eventful or problem.pins or np.any(problem.turns):
+    if itinerary.image or not itinerary.eventful or problem.pins or np.any(problem.turns):
         return None
     there, p = None, ParameterValues(**problem.values_of(sample.z))
     for product in products(problem.system, problem.first_state(sample.z), p):
-        for first in range(len(word)):
-            if _images(problem, product, word.legs[first:] + word.legs[:first]) != word.legs:
+        for first in range(len(itinerary)):
+            if _images(problem, product, itinerary.legs[first:] + itinerary.legs[:first]) != itinerary.legs:
                 continue
             there = there or problem.adapted_to(sample.z, sample.weights)
             for half in (0, 1) if problem.forced else (0,):

@@ -14,7 +14,7 @@ import numpy as np
 
 from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.word import Leg, has_image, image_of
+from contwalk.problems.orbit.itinerary import Leg, has_image, image_of
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 

@@ -11,11 +11,11 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.images import imaged
 from contwalk.problems.orbit.closure import images_of
+from contwalk.problems.orbit.itinerary import imaged_leg
 from contwalk.problems.orbit.motion import extremes, motion
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
 from contwalk.problems.orbit.stretch import Stretch
-from contwalk.problems.orbit.word import imaged_leg
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
 
@@ -31,7 +31,7 @@ def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch[LegView]
     z has the shape (N + 1,).
     """
     # What is returned is kept with the problem, and does not keep it.
-    views, word, system, pins = problem.view(z), problem.word, problem.system, problem.pins
+    views, itinerary, system, pins = problem.view(z), problem.itinerary, problem.system, problem.pins
     drifts, values = z[problem.layout.drifts], problem.values_of(z)
     begins, length = float(problem.starting_times(z)[0]), problem.duration(z)
 
@@ -43,18 +43,18 @@ def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch[LegView]
 
     found = [
         Stretch(leg.name, view, 0.0, drifted, system.states_of(leg.mode))
-        for leg, view in zip(word.legs, views, strict=True)
+        for leg, view in zip(itinerary.legs, views, strict=True)
     ]
-    if not word.image:
+    if not itinerary.image:
         return found
-    symmetry, p = system.symmetry(word.image), ParameterValues(**values)
+    symmetry, p = system.symmetry(itinerary.image), ParameterValues(**values)
 
     def image(times: np.ndarray, states: np.ndarray) -> np.ndarray:
         images = images_of(symmetry, drifted(times, states), p)
         # What has drifted until the half is over.
         return drifted(np.full(len(times), begins + length), images)
 
-    legs = [imaged_leg(system, word.image, leg) for leg in word.legs]
+    legs = [imaged_leg(system, itinerary.image, leg) for leg in itinerary.legs]
     return found + [
         Stretch(leg.name, view, length, image, system.states_of(leg.mode))
         for leg, view in zip(legs, views, strict=True)
@@ -70,9 +70,9 @@ def place(problem: DiscretizedOrbit) -> str:
 
 def visits(problem: DiscretizedOrbit) -> int:
     """How often the whole orbit meets the event at which its state is reported; 0 where there is none."""
-    if problem.discretization.report_at is not None or not problem.word.eventful:
+    if problem.discretization.report_at is not None or not problem.itinerary.eventful:
         return 0
-    return [leg.name for leg in problem.word.unfolded(problem.system).legs].count(_reporting(problem)[0])
+    return [leg.name for leg in problem.itinerary.unfolded(problem.system).legs].count(_reporting(problem)[0])
 
 
 def visited(problem: DiscretizedOrbit, z: np.ndarray) -> list[float]:
@@ -89,7 +89,7 @@ def visited(problem: DiscretizedOrbit, z: np.ndarray) -> list[float]:
 def _reporting(problem: DiscretizedOrbit) -> tuple[str, str]:
     """The event at which the state is reported, and on which side of it."""
     asked = problem.discretization.report_event
-    return asked or (problem.word.unfolded(problem.system).legs[-1].name, "before")
+    return asked or (problem.itinerary.unfolded(problem.system).legs[-1].name, "before")
 
 
 def value(problem: DiscretizedOrbit, name: str, z: np.ndarray) -> float:
@@ -170,7 +170,7 @@ def reported(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
         x = np.full(problem.states, np.nan) if found is None else found[1]
     elif place is not None:
         x = _passing(problem, z, Place.of(problem.system, *place))
-    elif not problem.word.eventful:
+    elif not problem.itinerary.eventful:
         return problem.first_state(z)
     else:
         x = problem.stretches(z)[-1].end[1]
@@ -194,7 +194,7 @@ def held(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
 def _passing(problem: DiscretizedOrbit, z: np.ndarray, place: Place) -> np.ndarray:
     """The state at which the motion first passes a value of a state inside a leg; NaN if it never does."""
     stretches = problem.stretches(z)
-    if not problem.word.eventful:
+    if not problem.itinerary.eventful:
         begun = place.begun_at(np.concatenate([stretch.motion[1] for stretch in stretches]))
         if begun is not None:
             return begun
@@ -242,7 +242,7 @@ def growth(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     drift = (
         -orbit.duration(z) * neutrals.directions(orbit.system, orbit.pins, x, values) @ z[orbit.layout.drifts]
     )
-    if orbit.word.image:
-        symmetry, p = orbit.system.symmetry(orbit.word.image), ParameterValues(**values)
+    if orbit.itinerary.image:
+        symmetry, p = orbit.system.symmetry(orbit.itinerary.image), ParameterValues(**values)
         drift = drift + imaged(symmetry, x + drift, p) - imaged(symmetry, x, p)
     return orbit.turns + drift

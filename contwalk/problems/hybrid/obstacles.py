@@ -27,7 +27,7 @@ def obstacle(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
     if not grown or max(grown) < STRETCHED:
         return ""
     most = int(np.argmax(grown))
-    leg = orbit.word.legs[orbit.layout.segments[most].leg]
+    leg = orbit.itinerary.legs[orbit.layout.segments[most].leg]
     ends = f"ends with '{leg.name}'" if leg.name else "no event ends"
     where = "" if orbit.cuts == 1 else f"one of {orbit.cuts} segments of "
     told = (
@@ -48,17 +48,17 @@ def collapsed(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
     """
     moved = max(float(np.max(np.ptp(view.nodes, axis=0))) for view in orbit.view(z))
     largest = max(float(np.max(np.abs(view.nodes))) for view in orbit.view(z))
-    if orbit.word.eventful and moved <= STILL * largest and not _clocked(orbit):
-        return orbit.word.legs[0].name
-    lasting = [i for i, leg in enumerate(orbit.word.legs) if not leg.collapsed]
+    if orbit.itinerary.eventful and moved <= STILL * largest and not _clocked(orbit):
+        return orbit.itinerary.legs[0].name
+    lasting = [i for i, leg in enumerate(orbit.itinerary.legs) if not leg.collapsed]
     shortest = min(lasting, key=lambda i: float(z[orbit.layout.durations][i]))
     lasts = float(z[orbit.layout.durations][shortest])
-    if not orbit.word.eventful or lasts > COLLAPSED * orbit.duration(z):
+    if not orbit.itinerary.eventful or lasts > COLLAPSED * orbit.duration(z):
         return ""
-    return orbit.word.legs[shortest].name
+    return orbit.itinerary.legs[shortest].name
 
 
 def _clocked(orbit: DiscretizedOrbit) -> bool:
     """Whether an event happens at given times: at rest, too."""
-    each = zip(orbit.word.legs, orbit.passages, strict=True)
+    each = zip(orbit.itinerary.legs, orbit.passages, strict=True)
     return any(leg.transition is not None and own.of_time_alone(leg.transition) for leg, own in each)

@@ -7,7 +7,7 @@ import numpy as np
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margin_values import BELOW
-from contwalk.problems.orbit.word import imaged_leg
+from contwalk.problems.orbit.itinerary import imaged_leg
 from contwalk.python_functions import line_aside
 from contwalk.system import Transition
 
@@ -31,9 +31,9 @@ def _never_armed(problem: DiscretizedOrbit, z: np.ndarray) -> list[Transition]:
     """Edges that act and are past zero wherever the orbit is in their modes."""
     there, own = problem.explicit(z)
     system, machine = there.system, hybrid_machine(there.system, there.values_of(own))
-    legs = there.word.legs
-    if there.word.image:
-        legs = (*legs, *(imaged_leg(system, there.word.image, leg) for leg in legs))
+    legs = there.itinerary.legs
+    if there.itinerary.image:
+        legs = (*legs, *(imaged_leg(system, there.itinerary.image, leg) for leg in legs))
     happens = {leg.name for leg in legs}
     past: dict[str, list[tuple[Transition, bool]]] = {}
     for leg, stretch in zip(legs, problem.stretches(z), strict=True):

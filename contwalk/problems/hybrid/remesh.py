@@ -53,14 +53,14 @@ def adapted_to(
             orbit.line.constants,
             flow.ErrorControl(asked, magnitudes, most),
             orbit.discretization.integrator(asked),
-            orbit.word.has_halves(orbit.system),
-            1 if orbit.word.eventful or len(orbit.word) > 1 else PARTS,
+            orbit.itinerary.has_halves(orbit.system),
+            1 if orbit.itinerary.eventful or len(orbit.itinerary) > 1 else PARTS,
         )
     except NotFinite:
         orbit.effort.spend(STAGES["radau9"] * most)
         raise
     orbit.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
-    if section is None and not (orbit.word.eventful or orbit.forced):
+    if section is None and not (orbit.itinerary.eventful or orbit.forced):
         x, scalars = inputs[0]
         c = orbit.passages[0].field(PLAIN).constants(np.concatenate([scalars, orbit.line.constants]))
         own, units = orbit.passages[0].field(PLAIN)(0.0, x, c), magnitudes[list(orbit.passages[0].states)]
@@ -121,7 +121,7 @@ def into_section(orbit: Kind, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
 
     All have the shape (N + 1,).
     """
-    if orbit.word.eventful or orbit.forced:
+    if orbit.itinerary.eventful or orbit.forced:
         return tangent
     assert orbit.section is not None
     tangent, place, own = tangent.copy(), orbit.layout.states[0], orbit.velocity(z)

@@ -6,18 +6,18 @@ import numpy as np
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies
-from contwalk.problems.orbit.word import named_word
+from contwalk.problems.orbit.itinerary import named_itinerary
 from contwalk.problems.restoring import Facts
 
 
 def restored(facts: Facts) -> HybridOrbit:
     """The problem of a stored branch of orbits through events, not yet discretised."""
     system, stored = facts.system, facts.info.settings
-    word = named_word(system, stored["legs"], stored.get("image", ""))
-    kind = SoftOrbit if applies(system, word) else HybridOrbit
+    itinerary = named_itinerary(system, stored["legs"], stored.get("image", ""))
+    kind = SoftOrbit if applies(system, itinerary) else HybridOrbit
     hybrid = kind(
         system,
-        word,
+        itinerary,
         facts.parameters,
         facts.free,
         facts.ends,

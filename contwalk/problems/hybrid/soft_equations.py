@@ -1,7 +1,7 @@
 """Orbits of machines with soft transitions: branches go through where these come and go.
 
 At a soft transition the field switches continuously: the motion through it is once continuously
-differentiable in its start, even where the switch and its reverse meet and vanish. So words leave these
+differentiable in its start, even where the switch and its reverse meet and vanish. So itineraries leave these
 transitions out, and the unknowns are those of the legs between hard ones; where there are none, of the whole
 closure. Under them lies an orbit with a leg for every smooth piece (`explicit`): the further unknowns, states
 and instants at the soft transitions, are solved for and eliminated, exactly. Which of them there are is found
@@ -38,7 +38,7 @@ MOST_FURTHER = 8
 
 
 class SoftEquations(HybridOrbit):
-    """The equations of orbits of one word of hard transitions; parameters as of `HybridOrbit`."""
+    """The equations of orbits of one itinerary of hard transitions; parameters as of `HybridOrbit`."""
 
     _inner: Eliminated | None = None
     _further: tuple[Eliminated, ...] = ()
@@ -60,7 +60,7 @@ class SoftEquations(HybridOrbit):
 
         Unknowns have the shape (N + 1,) of the explicit orbit.
         """
-        grouping = Grouping(explicit.word, explicit.layout)
+        grouping = Grouping(explicit.itinerary, explicit.layout)
         other = self.varied(_mesh=explicit.mesh, section=explicit.section, _further=())
         other._inner = Eliminated(explicit, grouping, *grouping.split(unknowns))
         return other
@@ -149,13 +149,13 @@ class SoftEquations(HybridOrbit):
         section: Section | None = None,
     ) -> Self:
         """As of any orbit, with the soft transitions of that of z. z and weights have the shape (N + 1,)."""
-        word, states, lasting = softness.passed(self, z, self.magnitudes_of(weights))
-        rough, begins = self.like(HybridOrbit, word), float(self.starting_times(z)[0])
+        itinerary, states, lasting = softness.passed(self, z, self.magnitudes_of(weights))
+        rough, begins = self.like(HybridOrbit, itinerary), float(self.starting_times(z)[0])
         asked = tolerance or self.discretization.walking
         rough.section, rough._most_steps = self.section, most_steps(self._mesh, asked)
         unknowns = rough.assembled(states, lasting, z[self.layout.drifts], float(z[-1]), begins)
         explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), asked, section)
-        grouping = Grouping(word, rough.layout)
+        grouping = Grouping(itinerary, rough.layout)
         found = corrected(explicit, grouping, z, solved_forward(explicit, grouping, z, unknowns))
         there = self.around(explicit, unknowns)
         if found is not None:
@@ -249,7 +249,7 @@ class SoftEquations(HybridOrbit):
     @cached_property
     def limits(self) -> tuple[Limit, ...]:
         """All that must stay positive, whichever soft transitions there are."""
-        return softness.limits_of(self.system, self.word)
+        return softness.limits_of(self.system, self.itinerary)
 
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution. z has the shape (N + 1,)."""
@@ -283,7 +283,7 @@ class SoftEquations(HybridOrbit):
     def _own_limit(self, explicit: HybridOrbit, which: int) -> int:
         """The limit that one of the explicit orbit's is a case of."""
         other = explicit.limits[which]
-        groups = Grouping(explicit.word, explicit.layout).groups
+        groups = Grouping(explicit.itinerary, explicit.layout).groups
         leg = next(i for i, group in enumerate(groups) if other.leg in group)
         return next(
             k

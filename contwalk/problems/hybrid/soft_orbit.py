@@ -21,8 +21,8 @@ from contwalk.problems.hybrid.limited import HybridLimits
 from contwalk.problems.hybrid.soft_equations import SoftEquations
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.protocol import OrbitKind
-from contwalk.problems.orbit.word import Word
 from contwalk.problems.problem import Linearization, Located, Sample, Seed, Test
 from contwalk.system import System
 
@@ -31,7 +31,7 @@ MOST_WORDS = 4
 
 
 class SoftOrbit(SoftEquations):
-    """Orbits of one word of hard transitions; parameters as of `HybridOrbit`."""
+    """Orbits of one itinerary of hard transitions; parameters as of `HybridOrbit`."""
 
     @property
     def limited(self) -> SoftLimits:
@@ -94,7 +94,7 @@ class SoftOrbit(SoftEquations):
             return self._located(sample, lambda explicit, own: explicit.locate(kind, own, which))
 
         def locate(explicit: HybridOrbit, own: Sample) -> Located | None:
-            grouping = Grouping(explicit.word, explicit.layout)
+            grouping = Grouping(explicit.itinerary, explicit.layout)
             chosen = self._least(grouping, explicit.margins(own.z), self.limits[which])
             return None if chosen is None else explicit.locate(kind, own, chosen)
 
@@ -147,13 +147,13 @@ class SoftOrbit(SoftEquations):
         """At a branch point, the tangent of the branch that `near` is on. Shape (N + 1,)."""
         explicit, own, _ = self._explicit_sample(near)
         under = located.vectors["explicit"]
-        if under.problem.word != explicit.word:
+        if under.problem.itinerary != explicit.itinerary:
             there = self.adapted_to(located.z, near.weights)
             explicit, own, _ = there._explicit_sample(replace(near, z=located.z))
         tangent = explicit.tangent_at(under, own)
         if tangent is None:
             return None
-        found = Grouping(under.problem.word, under.problem.layout).split(tangent)[0]
+        found = Grouping(under.problem.itinerary, under.problem.layout).split(tangent)[0]
         return found / float(np.linalg.norm(found / near.weights))
 
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
@@ -220,11 +220,11 @@ class SoftLimits(HybridLimits):
 
 
 def softened(explicit: HybridOrbit, unknowns: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
-    """A discretised orbit as one whose word leaves out soft transitions, if its machine has any."""
+    """A discretised orbit as one whose itinerary leaves out soft transitions, if its machine has any."""
     if not _has_soft(explicit.system):
         return explicit, unknowns
     explicit, unknowns = softness.begun(explicit, unknowns)
-    problem = explicit.like(SoftOrbit, softness.hard_word(explicit.word))
+    problem = explicit.like(SoftOrbit, softness.hard_itinerary(explicit.itinerary))
     there = problem.around(explicit, unknowns)
     return there, there.inner.z
 
@@ -240,7 +240,7 @@ def softened_seed(seed: Seed) -> Seed:
     grouping, reach = problem.inner.grouping, seed.reach
     assert seed.tangent is not None
     assert reach is not None
-    if turned.word == seed.problem.word:
+    if turned.itinerary == seed.problem.itinerary:
         tangent = grouping.split(seed.tangent)[0]
         return replace(
             seed,
@@ -254,9 +254,9 @@ def softened_seed(seed: Seed) -> Seed:
     return replace(seed, z=z, tangent=tangent, problem=problem, reach=amplitude(tangent))
 
 
-def applies(system: System, word: Word) -> bool:
-    """Whether a word leaves out its machine's soft transitions."""
-    return _has_soft(system) and not any(leg.soft for leg in word.legs)
+def applies(system: System, itinerary: Itinerary) -> bool:
+    """Whether an itinerary leaves out its machine's soft transitions."""
+    return _has_soft(system) and not any(leg.soft for leg in itinerary.legs)
 
 
 def _has_soft(system: System) -> bool:

@@ -18,7 +18,7 @@ from contwalk.problems.hybrid.limits import Limit, conditions_at, limits_of_leg
 from contwalk.problems.hybrid.margin_values import ZERO, largest
 from contwalk.problems.hybrid.switching import discretized, rotated, shifted
 from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.word import Leg, Word, modes_around
+from contwalk.problems.orbit.itinerary import Itinerary, Leg, modes_around
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 
@@ -41,15 +41,15 @@ def only_soft(system: System) -> System:
     return found
 
 
-def hard_word(word: Word) -> Word:
-    """An explicit word without its soft transitions."""
-    legs, mode = [], word.legs[0].mode
-    for i, leg in enumerate(word.legs):
+def hard_itinerary(itinerary: Itinerary) -> Itinerary:
+    """An explicit itinerary without its soft transitions."""
+    legs, mode = [], itinerary.legs[0].mode
+    for i, leg in enumerate(itinerary.legs):
         if leg.soft:
             continue
         legs.append(replace(leg, mode=mode))
-        mode = word.legs[(i + 1) % len(word)].mode
-    return Word(tuple(legs), word.image)
+        mode = itinerary.legs[(i + 1) % len(itinerary)].mode
+    return Itinerary(tuple(legs), itinerary.image)
 
 
 def begun(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
@@ -57,10 +57,10 @@ def begun(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
 
     z has the shape (N + 1,) of its problem, before and after.
     """
-    hard = [i for i, leg in enumerate(problem.word.legs) if not leg.soft]
+    hard = [i for i, leg in enumerate(problem.itinerary.legs) if not leg.soft]
     if not hard:
         return _between(problem, z)
-    first = (hard[-1] + 1) % len(problem.word)
+    first = (hard[-1] + 1) % len(problem.itinerary)
     return (problem, z) if first == 0 else rotated(problem, z, first)
 
 
@@ -71,9 +71,9 @@ def _between(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
         period = problem.duration(z) / problem.forcings
         at = float(np.ceil(times[0] / period)) * period
         if at > times[-1]:  # the force begins its period in the other half
-            problem, z = rotated(problem, z, len(problem.word))
+            problem, z = rotated(problem, z, len(problem.itinerary))
             times = problem.starting_times(z)
-        first = min(int(np.searchsorted(times, at, "right")), len(problem.word)) - 1
+        first = min(int(np.searchsorted(times, at, "right")), len(problem.itinerary)) - 1
         share = (at - times[first]) / (times[first + 1] - times[first])
     else:
         first, share = int(np.argmax(np.diff(times))), 0.5
@@ -82,17 +82,17 @@ def _between(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
 
 def _cut(problem: Kind, z: np.ndarray, share: float) -> tuple[Kind, np.ndarray]:
     """The same orbit, beginning at an instant of its first leg: what came before is the last one."""
-    layout, word, system = problem.layout, problem.word, problem.system
+    layout, itinerary, system = problem.layout, problem.itinerary, problem.system
     states = [passage.full(z[place]) for passage, place in zip(problem.passages, layout.states, strict=True)]
-    lasting, first = z[layout.durations], word.legs[0]
-    legs, last = (*word.legs, Leg(first.mode)), states[0] + problem.turns
-    if word.image:
-        symmetry = system.symmetry(word.image)
+    lasting, first = z[layout.durations], itinerary.legs[0]
+    legs, last = (*itinerary.legs, Leg(first.mode)), states[0] + problem.turns
+    if itinerary.image:
+        symmetry = system.symmetry(itinerary.image)
         last = imaged(symmetry, last, ParameterValues(**problem.values_of(z)))
-        legs = (*word.legs, Leg(symmetry.modes.get(first.mode, first.mode)))
+        legs = (*itinerary.legs, Leg(symmetry.modes.get(first.mode, first.mode)))
     view = problem.view(z)[0]
     cut = view.full(view.stepped(share)) if share > 0.0 else states[0]
-    other = problem.of_word(replace(word, legs=legs))
+    other = problem.of_itinerary(replace(itinerary, legs=legs))
     durations = [(1.0 - share) * lasting[0], *lasting[1:], share * lasting[0]]
     result = other.assembled([cut, *states[1:], last], durations, z[layout.drifts], float(z[-1]))
     other.reference = other.first_state(result)
@@ -102,8 +102,8 @@ def _cut(problem: Kind, z: np.ndarray, share: float) -> tuple[Kind, np.ndarray]:
 
 def passed(
     problem: DiscretizedOrbit, z: np.ndarray, magnitudes: np.ndarray
-) -> tuple[Word, list[np.ndarray], list[float]]:
-    """The explicit word over z, with full states at the starts of its legs and their durations.
+) -> tuple[Itinerary, list[np.ndarray], list[float]]:
+    """The explicit itinerary over z, with full states at the starts of its legs and their durations.
 
     z has the shape (N + 1,), magnitudes (n,), each state (n,).
 
@@ -113,7 +113,7 @@ def passed(
         If the motion over a leg ends early.
     """
     machine = hybrid_machine(only_soft(problem.system), problem.values_of(z))
-    times, legs = problem.starting_times(z), problem.word.legs
+    times, legs = problem.starting_times(z), problem.itinerary.legs
     found: list[Leg] = []
     states: list[np.ndarray] = []
     lasting: list[float] = []
@@ -132,7 +132,7 @@ def passed(
         found += [piece[0] for piece in pieces]
         states += [*_held(problem, z, np.array([piece[1] for piece in pieces]), since)]
         lasting += own
-    return Word(tuple(found), problem.word.image), states, lasting
+    return Itinerary(tuple(found), problem.itinerary.image), states, lasting
 
 
 def _held(problem: DiscretizedOrbit, z: np.ndarray, states: np.ndarray, since: np.ndarray) -> np.ndarray:
@@ -239,11 +239,11 @@ def _lasting(pieces: list[Piece], least: float) -> list[Piece]:
     return pieces
 
 
-def limits_of(system: System, word: Word) -> tuple[Limit, ...]:
-    """All that must stay positive along the legs of a word, in any of the modes of each."""
+def limits_of(system: System, itinerary: Itinerary) -> tuple[Limit, ...]:
+    """All that must stay positive along the legs of an itinerary, in any of the modes of each."""
     found: dict[Limit, None] = {}
-    for i, leg in enumerate(word.legs):
-        before = word.leading_in(system, i)
+    for i, leg in enumerate(itinerary.legs):
+        before = itinerary.leading_in(system, i)
         for mode in modes_around(system, leg.mode):
             own = next((t for t in system.leaving(mode) if t.name == leg.name), None)
             for limit in limits_of_leg(system, mode, own, before, i):

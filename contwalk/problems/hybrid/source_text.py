@@ -11,10 +11,10 @@ from contwalk.fields.codegen import source
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow.compiled.traced import CONSTANT, TIME, arguments, field_program, shared_program
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.problems.orbit.passage import passage_of
 from contwalk.problems.orbit.traced_leg import TIME as OF_LEG
 from contwalk.problems.orbit.traced_leg import ScalarInputs
-from contwalk.problems.orbit.word import Leg
 from contwalk.problems.tracing import (
     parameter_symbols,
     refuse_time,

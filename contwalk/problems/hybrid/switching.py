@@ -1,4 +1,4 @@
-"""The branches that leave a special point of a branch of hybrid orbits, but for changes of the word."""
+"""The branches that leave a special point of a branch of hybrid orbits, but for changes of the itinerary."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.orbit import monodromy, variations
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.itinerary import imaged_leg
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.scales import cycle_scales
-from contwalk.problems.orbit.word import imaged_leg
 from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
@@ -93,7 +93,7 @@ def _between(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
 
 
 def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
-    """The orbit of the word run through twice that leaves along the critical vector.
+    """The orbit of the itinerary run through twice that leaves along the critical vector.
 
     Where the second round is the image of the first, as where a symmetry keeps every state of the parent and
     reverses the critical vector, it is one round that closes up to that image.
@@ -104,19 +104,19 @@ def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     v = null_vectors(problem, matrix, *cycle_scales(problem))[0].real
     name = _reversing(problem, z, v)
     if name:
-        there = discretized(problem.of_word(replace(problem.word, image=name), 2), z, problem)
+        there = discretized(problem.of_itinerary(replace(problem.itinerary, image=name), 2), z, problem)
         size = float(np.linalg.norm(v / cycle_scales(there)[1]))
         tangent = np.append(v, 0.0) / size
         walking = there.adapted_to(z, filled_magnitudes(there, z))
         return (Seed("PD", z, tangent, amplitude(tangent), walking, one_sided=True),)
-    other = problem.of_word(problem.word.repeated(2), 2)
+    other = problem.of_itinerary(problem.itinerary.repeated(2), 2)
     return _alternating(problem, z, other, lambda i, x: x, "PD")
 
 
 def _reversing(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> str:
     """The symmetry that keeps each leg of an orbit and reverses a deviation of it; empty if there is none."""
-    layout, word = problem.layout, problem.word
-    if word.image or not word.eventful or problem.pins or np.any(problem.turns):
+    layout, itinerary = problem.layout, problem.itinerary
+    if itinerary.image or not itinerary.eventful or problem.pins or np.any(problem.turns):
         return ""
     size = float(np.linalg.norm(v / cycle_scales(problem)[1]))
     if np.any(np.abs(v[layout.durations]) > ALIKE * size * problem.mesh.total):
@@ -127,7 +127,9 @@ def _reversing(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> str:
 
 def _reverses(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, symmetry: Symmetry) -> bool:
     p, scale = ParameterValues(**problem.values_of(z)), problem.mesh.variation
-    for leg, passage, place in zip(problem.word.legs, problem.passages, problem.layout.states, strict=True):
+    for leg, passage, place in zip(
+        problem.itinerary.legs, problem.passages, problem.layout.states, strict=True
+    ):
         own, x, w = list(passage.states), passage.full(z[place]), passage.full(v[place])
         moved = imaged(symmetry, x, p) - x, imaged(symmetry, x + w, p) - x + w
         apart = max(float(np.linalg.norm((each / scale)[own])) for each in moved)
@@ -139,8 +141,8 @@ def _reverses(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, symmetry:
 def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to. z has the shape (N + 1,)."""
     other, symmetry = (
-        problem.of_word(problem.word.unfolded(problem.system)),
-        problem.system.symmetry(problem.word.image),
+        problem.of_itinerary(problem.itinerary.unfolded(problem.system)),
+        problem.system.symmetry(problem.itinerary.image),
     )
     p, passages = ParameterValues(**problem.values_of(z)), problem.passages
 
@@ -169,7 +171,7 @@ def _alternating(
     if layout.start is not None:
         still[0] = v[layout.start]
     # A leg that no event ends is one with the first leg of the second round.
-    places = list(enumerate(layout.states))[0 if problem.word.eventful else 1 :]
+    places = list(enumerate(layout.states))[0 if problem.itinerary.eventful else 1 :]
     second = [image(i, z[place]) for i, place in places]
     turned = [-image(i, v[place]) for i, place in places]
     states = slice(0, lasting.start)
@@ -179,7 +181,7 @@ def _alternating(
     inner, moved = cutting.blocks(problem, z), cutting.blocks(problem, v)
     again = [np.array([image(i, x) for x in own]) for i, own in enumerate(inner)]
     back = [np.array([-image(i, x) for x in own]) for i, own in enumerate(moved)]
-    if problem.cuts > 1 and not problem.word.eventful:  # where both rounds meet another segment begins
+    if problem.cuts > 1 and not problem.itinerary.eventful:  # where both rounds meet another segment begins
         first = layout.states[0]
         inner = [np.vstack([inner[0], image(0, z[first])[None], again[0]])]
         moved = [np.vstack([moved[0], -image(0, v[first])[None], back[0]])]
@@ -197,7 +199,7 @@ def _alternating(
 def _joined(problem: DiscretizedOrbit, lasting: np.ndarray, sign: float) -> np.ndarray:
     """Durations of all legs over two rounds, or changes of them; those of the second have a sign."""
     second = sign * lasting
-    if problem.word.eventful:
+    if problem.itinerary.eventful:
         return np.concatenate([lasting, second])
     return np.concatenate([lasting[:-1], lasting[-1:] + second[:1], second[1:]])
 
@@ -247,10 +249,10 @@ def rotated(problem: Kind, z: np.ndarray, first: int) -> tuple[Kind, np.ndarray]
 
     Both have the shape (N + 1,).
     """
-    layout, image, system = problem.layout, problem.word.image, problem.system
+    layout, image, system = problem.layout, problem.itinerary.image, problem.system
     symmetry, p = system.symmetry(image) if image else None, ParameterValues(**problem.values_of(z))
     states = [passage.full(z[place]) for passage, place in zip(problem.passages, layout.states, strict=True)]
-    other = problem.of_word(problem.word.rotated(system, first))
+    other = problem.of_itinerary(problem.itinerary.rotated(system, first))
     result = other.assembled(
         states[first:] + [imaged(symmetry, x, p) for x in states[:first]],
         np.roll(z[layout.durations], -first),

@@ -53,7 +53,7 @@ def refuse_guards(problem: DiscretizedOrbit, z: np.ndarray, margins: Margins) ->
         if limit.test in ("duration", "condition"):
             continue
         view = views[limit.leg]
-        transition = problem.system.transition(limit.name, problem.word.legs[limit.leg].mode)
+        transition = problem.system.transition(limit.name, problem.itinerary.legs[limit.leg].mode)
         sentence = _of_guard(view, transition)
         if sentence:
             raise refusal(sentence)

@@ -163,16 +163,16 @@ def _cubic(a: Sample, b: Sample) -> Callable[[float], np.ndarray]:
 
 def arrival(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> float:
     """How fast the guard that ends leg i arrives. z has the shape (N + 1,)."""
-    transition, piece = orbit.word.legs[i].transition, orbit.pieces_of(z, i)[-1]
+    transition, piece = orbit.itinerary.legs[i].transition, orbit.pieces_of(z, i)[-1]
     assert transition is not None
-    # Where soft transitions come and go, the leg ends in another mode than the word was read off in.
+    # Where soft transitions come and go, the leg ends in another mode than the itinerary was read off in.
     own = piece.piece.passage.leg.transition or transition
     return float(piece.guard(own)[2][-1]) / (piece.duration or 1.0)
 
 
 def reach(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> float:
     """Largest value, at the steps, of the guard that ends leg i. z has the shape (N + 1,)."""
-    transition = orbit.word.legs[i].transition
+    transition = orbit.itinerary.legs[i].transition
     assert transition is not None
     return max(piece.size_at_steps(transition) for piece in orbit.pieces_of(z, i))
 
@@ -182,6 +182,6 @@ def typical_guard(orbit: DiscretizedOrbit, z: np.ndarray, magnitudes: np.ndarray
 
     z has the shape (N + 1,), magnitudes (n,).
     """
-    transition = orbit.word.legs[i].transition
+    transition = orbit.itinerary.legs[i].transition
     assert transition is not None
     return limit_points.typical(orbit.pieces_of(z, i)[-1], transition, magnitudes)

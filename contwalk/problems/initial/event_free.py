@@ -8,9 +8,9 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.flow.hybrid.motions import MotionSegment, hybrid_machine
-from contwalk.problems.hybrid.lap import Lap
+from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.hybrid.mirrors import Span
-from contwalk.problems.orbit.word import Leg
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import System
 
 RETURNED, NEARLY = 1e-5, 0.2
@@ -23,8 +23,8 @@ def strobes(
     period: float,
     scale: np.ndarray,
     first: bool,
-) -> Lap | None:
-    """The lap that a quiet motion repeats, seen at whole periods of the force; None if it does not yet.
+) -> HybridRecurrence | None:
+    """The recurrence that a quiet motion repeats, seen at whole periods of the force; None if none yet.
 
     Parameters
     ----------
@@ -47,5 +47,5 @@ def strobes(
         apart = (states[k] - states[0]) / scale[mode.states]
         if float(np.linalg.norm(apart)) < within:
             start = machine.full(arc.mode, states[-1 if not first else 0])
-            return Lap((Span(Leg(arc.mode), 0.0, start, k * period, start),), scale, 0.0, start)
+            return HybridRecurrence((Span(Leg(arc.mode), 0.0, start, k * period, start),), scale, 0.0, start)
     return None

@@ -1,6 +1,6 @@
-"""From a state to a lap: simulate until an event finds the motion where an earlier one of the same kind did.
+"""From a state to a recurrence: simulate until an event finds it where an earlier one of its kind did.
 
-What happened in between is the lap's word; nobody has to type it.
+What happened in between is the recurrence's itinerary; nobody has to type it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.flow.hybrid.stiffness import is_stiff
 from contwalk.flow.method import IMPLICIT
-from contwalk.problems.hybrid.lap import Lap
+from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.initial.event_search import Search
 from contwalk.problems.initial.giving_up import given_up
 from contwalk.system import System
@@ -27,7 +27,7 @@ TOLERANCE = 1e-9
 LONGER = 20.0
 
 
-def lap_from(
+def recurrence_from(
     system: System,
     parameters: Mapping[str, float],
     state: np.ndarray,
@@ -39,8 +39,8 @@ def lap_from(
     after: str | None = None,
     least: float = 0.0,
     longest: float = np.inf,
-) -> Lap:
-    """One lap of the orbit that a motion leads to from a state, shape (n,).
+) -> HybridRecurrence:
+    """One recurrence of the orbit that a motion leads to from a state, shape (n,).
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def lap_from(
     after : str, optional
         The state is the one right after this transition.
     least : float
-        Seconds that a lap lasts at least.
+        Seconds that a recurrence lasts at least.
     longest : float
         Seconds after which the search for one ends.
     until : float, "settled" or None
@@ -80,9 +80,9 @@ def lap_from(
     if after is None:
         search.note = past_zero(machine, time, x, mode, search.weights(x))
     for arc in _motion(machine, time, x, mode, after, search, time + longest):
-        lap = search.add(arc)
-        if lap is not None:
-            return lap
+        recurrence = search.add(arc)
+        if recurrence is not None:
+            return recurrence
     return given_up(search)
 
 

@@ -15,24 +15,24 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
-from contwalk.problems.hybrid.lap import Lap
+from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.hybrid.mirrors import Span, carries
 from contwalk.problems.initial.coming_to_rest import check_moves
 from contwalk.problems.initial.event_free import strobes
 from contwalk.problems.initial.volume import Volume
 from contwalk.problems.orbit.closure import imaged, order_of
-from contwalk.problems.orbit.word import Leg
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
 # What a return misses by, in units of the variation: of a motion that has settled; at all.
 SETTLED, NEARLY = 1e-5, 0.2
-# A part of a lap that misses by less than so many times as much is the lap.
+# A part of a recurrence that misses by less than so many times as much is the recurrence.
 ROUND = 100.0
-# The durations of laps that accumulate tend to less than this part of the last of them: to zero, but for
-# rounding (a geometric series), or seemingly to half of it where they fall as 1/n.
+# The durations of recurrences that accumulate tend to less than this part of the last of them: to zero, but
+# for rounding (a geometric series), or seemingly to half of it where they fall as 1/n.
 SHRINKS = 0.75
-# Two laps that are all there is last alike: the second is not shorter by more than this part.
+# Two recurrences that are all there is last alike: the second is not shorter by more than this part.
 ALIKE = 0.05
 ROUNDING = 1e-9
 # Events that are looked back.
@@ -79,10 +79,10 @@ class Search:
         self.stretches: list[Span] = []
         self.low = np.full(len(system.states), np.inf)
         self.high = -self.low
-        self.best: Lap | None = None
-        self.shrinking = 0.0  # duration of the first lap of those that accumulate
-        self.settled: dict[tuple[int, str], set[int]] = {}  # when laps of a kind have come back
-        self.patience = 0  # events until the best lap is taken, if it is one up to an image
+        self.best: HybridRecurrence | None = None
+        self.shrinking = 0.0  # duration of the first recurrence of those that accumulate
+        self.settled: dict[tuple[int, str], set[int]] = {}  # when recurrences of a kind have come back
+        self.patience = 0  # events until the best recurrence is taken, if it is one up to an image
         self.begun: tuple[float, np.ndarray] | None = (
             None  # time and state at the start of a leg that goes on
         )
@@ -166,8 +166,8 @@ class Search:
         self.low = np.minimum(self.low, arc.states.min(axis=0))
         self.high = np.maximum(self.high, arc.states.max(axis=0))
 
-    def add(self, arc: MotionSegment) -> Lap | None:
-        """Take an arc in; the lap that it closes, if it does."""
+    def add(self, arc: MotionSegment) -> HybridRecurrence | None:
+        """Take an arc in; the recurrence that it closes, if it does."""
         self._spend(arc)
         self.see(arc)
         self.last_state = float(arc.times[-1]), arc.states[-1], arc.mode
@@ -189,11 +189,11 @@ class Search:
         hard = any(s.leg.transition is not None and s.leg.transition.role == "hard" for s in self.stretches)
         return self._closed(arc) if self.stretches and not (transition.role == "soft" and hard) else None
 
-    def _closed(self, arc: MotionSegment) -> Lap | None:
-        """The shortest lap that ends with this arc's event."""
+    def _closed(self, arc: MotionSegment) -> HybridRecurrence | None:
+        """The shortest recurrence that ends with this arc's event."""
         if not self.looking:
             return None
-        shorter: list[Lap] = []
+        shorter: list[HybridRecurrence] = []
         arrivals = [self._arrival(arc, image) for image in self.images]
         misses = np.array([self._misses(arrival) for arrival in arrivals])
         for back in np.flatnonzero((misses < NEARLY).any(axis=0)):
@@ -203,39 +203,41 @@ class Search:
                 part = self.stretches[-1 - back :]
                 if not any(stretch.duration > 0.0 for stretch in part):  # transitions at one instant
                     continue
-                lap = self._lap(arrival, part, float(missed))
-                if lap is None:
+                recurrence = self._recurrence(arrival, part, float(missed))
+                if recurrence is None:
                     continue
                 if self._better(missed):
-                    self.best = lap
-                if lap.missed < SETTLED:
-                    if self._accumulates(len(lap.stretches)):
-                        return self._first_image()  # so do longer laps, of which less is known
-                    if self._again(lap):
-                        self._refuse_chatter(lap)
-                        return self._shortest(lap, shorter)
-                shorter.append(lap)
+                    self.best = recurrence
+                if recurrence.missed < SETTLED:
+                    if self._accumulates(len(recurrence.stretches)):
+                        return self._first_image()  # so do longer recurrences, of which less is known
+                    if self._again(recurrence):
+                        self._refuse_chatter(recurrence)
+                        return self._shortest(recurrence, shorter)
+                shorter.append(recurrence)
                 if self.until is None and self.best is not None and not self.best.image:
                     return self.best
         return self._first_image()
 
-    def _again(self, lap: Lap) -> bool:
-        """Whether the lap before came back as well: irregular motions come near by chance."""
-        now, back = len(self.stretches), len(lap.stretches)
-        times = self.settled.setdefault((back, lap.image), set())
+    def _again(self, recurrence: HybridRecurrence) -> bool:
+        """Whether the recurrence before came back as well: irregular motions come near by chance."""
+        now, back = len(self.stretches), len(recurrence.stretches)
+        times = self.settled.setdefault((back, recurrence.image), set())
         times.add(now)
         return self.until is None or now - back in times
 
-    def _refuse_chatter(self, lap: Lap) -> None:
-        """A lap may pass through transitions that accumulate, where rounding ends them.
+    def _refuse_chatter(self, recurrence: HybridRecurrence) -> None:
+        """A recurrence may pass through transitions that accumulate, where rounding ends them.
 
         Raises
         ------
         StartError
             If one in it follows itself ever sooner, down to rounding.
         """
-        whole = sum(stretch.duration for stretch in lap.stretches)
-        for three in zip(lap.stretches, lap.stretches[1:], lap.stretches[2:], strict=False):
+        whole = sum(stretch.duration for stretch in recurrence.stretches)
+        for three in zip(
+            recurrence.stretches, recurrence.stretches[1:], recurrence.stretches[2:], strict=False
+        ):
             first, second, third = (stretch.duration for stretch in three)
             same = len({stretch.leg.name for stretch in three}) == 1
             if same and first > second > third and third < ROUNDING * whole:
@@ -247,11 +249,11 @@ class Search:
                 )
 
     def _better(self, missed: float) -> bool:
-        """Whether a lap is nearly one, and the best so far."""
+        """Whether a recurrence is nearly one, and the best so far."""
         return missed < (NEARLY if self.best is None else AS_GOOD * self.best.missed)
 
-    def _first_image(self) -> Lap | None:
-        """Where the first return is wanted, one up to an image, after a whole lap was looked at too."""
+    def _first_image(self) -> HybridRecurrence | None:
+        """Where the first return is wanted, one up to an image, after a whole one was looked at too."""
         if self.until is not None or self.best is None:
             return None
         self.patience = self.patience or len(self.stretches) + len(self.best.stretches)
@@ -297,17 +299,21 @@ class Search:
         missed = np.linalg.norm(apart / arrival.scale, axis=1)
         lasted = arrival.time - np.array([first.start for first in recent])
         if self.period:
-            laps = lasted / self.period * (2 if arrival.image else 1)  # of half a cycle: half periods
-            missed = np.maximum(missed, np.abs(laps - np.round(laps)) / 0.05)
-            alike &= np.round(laps) > 0
+            periods = lasted / self.period * (2 if arrival.image else 1)  # of half a cycle: half periods
+            missed = np.maximum(missed, np.abs(periods - np.round(periods)) / 0.05)
+            alike &= np.round(periods) > 0
         return np.where(alike & (lasted >= self.least), missed, np.inf)
 
-    def _lap(self, arrival: _Arrival, stretches: Sequence[Span], missed: float) -> Lap | None:
-        """The lap over some stretches that end where they began, or, if the machine has one, at its image."""
+    def _recurrence(
+        self, arrival: _Arrival, stretches: Sequence[Span], missed: float
+    ) -> HybridRecurrence | None:
+        """The recurrence over some stretches that end where they began, or at the image of that."""
         lasted = arrival.time - stretches[0].start
         if arrival.image and not self._carries(arrival.image, stretches, lasted, arrival.scale):
             return None
-        return Lap(tuple(stretches), arrival.scale, missed, arrival.after, arrival.image, self.origin)
+        return HybridRecurrence(
+            tuple(stretches), arrival.scale, missed, arrival.after, arrival.image, self.origin
+        )
 
     def _carries(self, image: str, stretches: Sequence[Span], lasted: float, scale: np.ndarray) -> bool:
         """Whether the machine is its own image after half a cycle: there the forcing is at another phase."""
@@ -326,40 +332,40 @@ class Search:
         return [neutral for neutral in self.system.neutral if families.commutes(machine, neutral, *given)]
 
     def _accumulates(self, back: int) -> bool:
-        """Whether the last laps last ever shorter, down to nothing: they return to a point, not to an orbit.
+        """Whether recurrences last ever shorter, down to nothing: they return to a point, not to an orbit.
 
         What the durations tend to follows from three of them, whose differences are a geometric series. Later
         the differences are nothing but rounding.
         """
         recent = self.stretches[-3 * back :]
         lasting = [stretch.duration for stretch in recent[len(recent) % back :]]
-        laps = [sum(lasting[k : k + back]) for k in range(0, len(lasting), back)]
-        changes = np.diff(laps)
-        if len(laps) < 3:
-            return bool(np.any(changes < -ALIKE * laps[-1]))
+        lengths = [sum(lasting[k : k + back]) for k in range(0, len(lasting), back)]
+        changes = np.diff(lengths)
+        if len(lengths) < 3:
+            return bool(np.any(changes < -ALIKE * lengths[-1]))
         before, last = changes
-        if before < last < 0.0 and laps[2] - last**2 / (last - before) < SHRINKS * laps[2]:
-            self.shrinking = max(self.shrinking, laps[2])
+        if before < last < 0.0 and lengths[2] - last**2 / (last - before) < SHRINKS * lengths[2]:
+            self.shrinking = max(self.shrinking, lengths[2])
             return True
-        return laps[2] < 0.5 * self.shrinking
+        return lengths[2] < 0.5 * self.shrinking
 
-    def _shortest(self, lap: Lap, shorter: list[Lap]) -> Lap:
-        """The shortest lap that a longer one repeats: one that alternates looks settled there later."""
+    def _shortest(self, recurrence: HybridRecurrence, shorter: list[HybridRecurrence]) -> HybridRecurrence:
+        """The shortest recurrence that a longer one repeats: what alternates looks settled later."""
         for part in shorter:
-            whole = part.word.unfolded(self.system)
-            times, rest = divmod(len(lap.word), len(whole))
-            # The part is the end of the lap; where it is half of a whole, the other half came before it.
-            whole = whole.rotated(self.system, len(part.word) % len(whole))
-            alike = not rest and not lap.image and lap.word == whole.repeated(times)
-            if alike and part.missed < ROUND * max(lap.missed, 0.1 * SETTLED):
+            whole = part.itinerary.unfolded(self.system)
+            times, rest = divmod(len(recurrence.itinerary), len(whole))
+            # The part is the end of the recurrence; where it is half of a whole, the other half came first.
+            whole = whole.rotated(self.system, len(part.itinerary) % len(whole))
+            alike = not rest and not recurrence.image and recurrence.itinerary == whole.repeated(times)
+            if alike and part.missed < ROUND * max(recurrence.missed, 0.1 * SETTLED):
                 return part
-        return lap
+        return recurrence
 
     def _led_in(self, k: int) -> str | None:
         """The transition that leads into stretch k; None where it is not known."""
         return self.stretches[k - 1].leg.name if k > 0 else None
 
-    def _strobed(self, arc: MotionSegment) -> Lap | None:
+    def _strobed(self, arc: MotionSegment) -> HybridRecurrence | None:
         """An orbit without events: of a forced system, the motion is the same again after some periods."""
         if not (self.period and self.looking):
             return None

@@ -7,16 +7,16 @@ import numpy as np
 from contwalk.errors import NotFinite, StartError
 from contwalk.flow.hybrid.motion_segment import MotionSegment
 from contwalk.problems.conserving import ONE_OF_EACH_VALUE
-from contwalk.problems.hybrid.lap import Lap
+from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.hybrid.mirrors import Span
 from contwalk.problems.initial.event_search import EVENT, LOOK_BACK, Search
 from contwalk.problems.initial.recurrence import recurrent
-from contwalk.problems.orbit.word import Leg
+from contwalk.problems.orbit.itinerary import Leg
 
 FIRST_RETURN = " Where it is near an orbit that may be unstable, until: 0 takes its first near return."
 
 
-def given_up(search: Search) -> Lap:
+def given_up(search: Search) -> HybridRecurrence:
     """The best return, where the motion ended or went on without an exact one.
 
     Raises
@@ -30,7 +30,7 @@ def given_up(search: Search) -> Lap:
     raise StartError(f"{_found_nothing(search)}{_nearest(search)}{_noted(search)}", _remedy(search))
 
 
-def _cut_short(search: Search, arc: MotionSegment) -> Lap:
+def _cut_short(search: Search, arc: MotionSegment) -> HybridRecurrence:
     """The best return of a motion that has ended, if it was not to settle, or to last for longer."""
     if search.best is not None and search.until is None:
         return search.best
@@ -92,7 +92,7 @@ def _remedy(search: Search) -> str:
     return remedy + "." + (FIRST_RETURN if search.until is not None else "")
 
 
-def _smooth(search: Search) -> Lap:
+def _smooth(search: Search) -> HybridRecurrence:
     """An orbit of an autonomous system that meets no event, in the mode in which the motion stays."""
     assert search.last_state is not None
     _, x, mode = search.last_state
@@ -101,4 +101,4 @@ def _smooth(search: Search) -> Lap:
     state, magnitudes = np.zeros(len(x)), np.ones(len(x))
     state[own], magnitudes[own] = found.state, found.magnitudes
     stretch = Span(Leg(mode), 0.0, state, found.period, state)
-    return Lap((stretch,), magnitudes, 0.0, state)
+    return HybridRecurrence((stretch,), magnitudes, 0.0, state)

@@ -1,4 +1,4 @@
-"""The orbit that a lap is: its problem, discretised for it, and the lap as its unknowns."""
+"""The orbit that a recurrence is: its problem, discretised for it, and the recurrence as its unknowns."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import cutting, families
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
-from contwalk.problems.hybrid.lap import Lap
+from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.initial.orbit_from_state import started
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import ParameterLine
@@ -32,48 +32,48 @@ def orbit_of(
     system: System,
     line: ParameterLine,
     at: float | None,
-    lap: Lap,
+    recurrence: HybridRecurrence,
     discretization: Discretization | None = None,
 ) -> tuple[Kind, np.ndarray]:
-    """The problem of a lap's word, discretised for it, and the lap as its unknowns.
+    """The problem of a recurrence's itinerary, discretised for it, and the recurrence as its unknowns.
 
-    `kind` makes it, as a class of orbits does; `at` is the lap's place on the line, by default that of the
-    point that the line was made from.
+    `kind` makes it, as a class of orbits does; `at` is the recurrence's place on the line, by default that of
+    the point that the line was made from.
 
     The unknowns have the shape (N + 1,).
     """
-    first = lap.stretches[0]
+    first = recurrence.stretches[0]
     line = started(system, line, at, first.state, first.leg.mode)
     value = line.place(at)
     values = line.at(value)
-    _check_zeros(hybrid_machine(system, values), lap)
-    pins = _neutral(system, line, values, lap) if system.neutral else []
-    lap = _placed(system, pins, lap, values)
-    given = {"pins": pins, "reference": lap.stretches[0].state, "discretization": discretization}
-    problem = kind(system, lap.word, line.parameters, line.free, line.ends, **given)
+    _check_zeros(hybrid_machine(system, values), recurrence)
+    pins = _neutral(system, line, values, recurrence) if system.neutral else []
+    recurrence = _placed(system, pins, recurrence, values)
+    given = {"pins": pins, "reference": recurrence.stretches[0].state, "discretization": discretization}
+    problem = kind(system, recurrence.itinerary, line.parameters, line.free, line.ends, **given)
     layout = problem.layout
-    lasting = np.array([stretch.duration for stretch in lap.stretches])
-    drifts, states = _drifting(problem, lap, values)
+    lasting = np.array([stretch.duration for stretch in recurrence.stretches])
+    drifts, states = _drifting(problem, recurrence, values)
     z = problem.assembled(states, lasting, drifts, value)
     if layout.start is not None and system.period is not None:
         period = period_at(system, problem.values_of(z))
         whole = problem.rounds * float(lasting.sum())
-        problem = problem.of_word(lap.word, max(round(whole / period), 1))
-        z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0
-    problem = problem.varied(turns=_turns(system, lap))
-    return cutting.begun(problem.adapted_to(z, problem.weighted(lap.magnitudes)), z)
+        problem = problem.of_itinerary(recurrence.itinerary, max(round(whole / period), 1))
+        z[layout.start] = recurrence.stretches[0].start % period if problem.itinerary.eventful else 0.0
+    problem = problem.varied(turns=_turns(system, recurrence))
+    return cutting.begun(problem.adapted_to(z, problem.weighted(recurrence.magnitudes)), z)
 
 
-def _check_zeros(machine: HybridMachine, lap: Lap) -> None:
+def _check_zeros(machine: HybridMachine, recurrence: HybridRecurrence) -> None:
     """Raise where an event is a guard's jump through zero: orbits are equations, and it has no zero there."""
-    for stretch in lap.stretches:
+    for stretch in recurrence.stretches:
         transition = stretch.leg.transition
         if transition is None or stretch.leg.collapsed:
             continue
         flow, t = machine.mode(stretch.leg.mode), stretch.start + stretch.duration
         number, x = flow.transitions.index(transition), stretch.end[flow.states]
         value = float(flow.guards[number](t, x, flow.p)[0])
-        typical = flow.scales(t, x, lap.magnitudes[flow.states], stretch.duration)[number]
+        typical = flow.scales(t, x, recurrence.magnitudes[flow.states], stretch.duration)[number]
         # At a pole what it typically changes by is as large as itself; a little earlier it is far less.
         ago = BEFORE * stretch.duration
         earlier = abs(float(flow.guards[number](t - ago, x - ago * flow.field(t, x, flow.c), flow.p)[0]))
@@ -87,18 +87,20 @@ def _check_zeros(machine: HybridMachine, lap: Lap) -> None:
             )
 
 
-def _neutral(system: System, line: ParameterLine, values: dict[str, float], lap: Lap) -> list[Neutral]:
-    """The directions that are neutral along a lap, and so along its branch.
+def _neutral(
+    system: System, line: ParameterLine, values: dict[str, float], recurrence: HybridRecurrence
+) -> list[Neutral]:
+    """The directions that are neutral along a recurrence, and so along its branch.
 
     Raises
     ------
     StartError
         If one is neutral where the branch begins, and not beside it.
     """
-    pins = families.active(hybrid_machine(system, values), lap)
+    pins = families.active(hybrid_machine(system, values), recurrence)
     places = [0.0, 1.0] if line.own is None else [_beside(values[line.own])]
     for place in places:
-        kept = families.active(hybrid_machine(system, line.at(place)), lap)
+        kept = families.active(hybrid_machine(system, line.at(place)), recurrence)
         lost = [pin.name for pin in pins if pin not in kept]
         if lost:
             raise StartError(
@@ -114,46 +116,49 @@ def _beside(value: float) -> float:
     return 1.01 * value if value else 0.01
 
 
-def _placed(system: System, pins: Sequence[Neutral], lap: Lap, parameters: dict[str, float]) -> Lap:
-    """The lap moved along pinned directions to where the motion began: translations only."""
-    if lap.origin is None or not pins:
-        return lap
-    first = lap.stretches[0].state
+def _placed(
+    system: System, pins: Sequence[Neutral], recurrence: HybridRecurrence, parameters: dict[str, float]
+) -> HybridRecurrence:
+    """The recurrence moved along pinned directions to where the motion began: translations only."""
+    if recurrence.origin is None or not pins:
+        return recurrence
+    first = recurrence.stretches[0].state
     along = neutrals.directions(system, pins, first, parameters)
-    if not np.array_equal(along, neutrals.directions(system, pins, lap.origin, parameters)):
-        return lap
+    if not np.array_equal(along, neutrals.directions(system, pins, recurrence.origin, parameters)):
+        return recurrence
     held = [system.state_names.index(pin.pin) for pin in pins if pin.pin is not None and pin.value is None]
     if len(held) < len(pins):
-        return lap
+        return recurrence
     try:
-        shift = along @ np.linalg.solve(along[held], (lap.origin - first)[held])
+        shift = along @ np.linalg.solve(along[held], (recurrence.origin - first)[held])
     except np.linalg.LinAlgError:
-        return lap
+        return recurrence
     moved = tuple(
-        replace(stretch, state=stretch.state + shift, end=stretch.end + shift) for stretch in lap.stretches
+        replace(stretch, state=stretch.state + shift, end=stretch.end + shift)
+        for stretch in recurrence.stretches
     )
-    return replace(lap, stretches=moved, returned=lap.returned + shift)
+    return replace(recurrence, stretches=moved, returned=recurrence.returned + shift)
 
 
 def _drifting(
-    problem: DiscretizedOrbit, lap: Lap, parameters: dict[str, float]
+    problem: DiscretizedOrbit, recurrence: HybridRecurrence, parameters: dict[str, float]
 ) -> tuple[np.ndarray, list[np.ndarray]]:
-    """The drifts with which a lap closes, and its legs' first states as one sees them who drifts along."""
-    first, states = lap.stretches[0], [stretch.state for stretch in lap.stretches]
+    """The drifts with which a recurrence closes, and its legs' first states as one who drifts sees them."""
+    first, states = recurrence.stretches[0], [stretch.state for stretch in recurrence.stretches]
     if not problem.pins:
         return np.zeros(0), states
     along = neutrals.directions(problem.system, problem.pins, first.state, parameters)
-    apart, scale = lap.returned - first.state, lap.magnitudes
+    apart, scale = recurrence.returned - first.state, recurrence.magnitudes
     shares, *_ = np.linalg.lstsq(along / scale[:, None], apart / scale, rcond=None)
-    drifts = -shares / sum(stretch.duration for stretch in lap.stretches)
+    drifts = -shares / sum(stretch.duration for stretch in recurrence.stretches)
     moved = []
-    for stretch in lap.stretches:
+    for stretch in recurrence.stretches:
         own = neutrals.directions(problem.system, problem.pins, stretch.state, parameters)
         moved.append(stretch.state + (stretch.start - first.start) * own @ drifts)
     return drifts, moved
 
 
-def _turns(system: System, lap: Lap) -> np.ndarray:
+def _turns(system: System, recurrence: HybridRecurrence) -> np.ndarray:
     """What angles grow by in a closure, in whole periods."""
     own = np.array([s.period or 0.0 for s in system.states])
-    return whole_turns(lap.returned - lap.stretches[0].state, own)
+    return whole_turns(recurrence.returned - recurrence.stretches[0].state, own)

@@ -106,7 +106,7 @@ def told(orbit: Any, curve: OrbitCurve, margins: np.ndarray) -> np.ndarray:
     """Margins of all limits, shape (k,), one of what the curve itself holds at zero."""
     if not isinstance(curve, Limits):
         return margins
-    own, legs = curve.limit, orbit.word.legs
+    own, legs = curve.limit, orbit.itinerary.legs
     names, around = {own.name}, {(own.leg + k) % len(legs) for k in (-1, 0, 1)}
     if own.test in OF_TWO_EVENTS:
         names |= {legs[own.leg].name, legs[own.leg - 1].name}

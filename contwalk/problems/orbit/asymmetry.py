@@ -31,7 +31,7 @@ def asymmetries(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
     NotFinite
         If the motion ends before the closure does.
     """
-    x, word = problem.starts(z)[0], problem.word
+    x, itinerary = problem.starts(z)[0], problem.itinerary
     still, known = np.zeros(len(z)), dict[float, np.ndarray]()
 
     def later(part: float) -> np.ndarray:
@@ -50,14 +50,14 @@ def asymmetries(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
     found = dict[str, float]()
     # The force alone is the same again after one of its periods, not after a half: an orbit at rest is
     # no parent's.
-    if not problem.forced or problem.subharmonic % (2 * word.closures) == 0:
+    if not problem.forced or problem.subharmonic % (2 * itinerary.closures) == 0:
         found["itself"] = apart(later(0.5) - 0.5 * problem.turns)
     p = ParameterValues(**problem.values_of(z))
-    if word.image:
-        found["whole"] = apart(imaged(problem.system.symmetry(word.image), x, p, word.power))
+    if itinerary.image:
+        found["whole"] = apart(imaged(problem.system.symmetry(itinerary.image), x, p, itinerary.power))
     for symmetry in problem.system.symmetries:
         order = order_of(symmetry, x, p)
-        if word.image or symmetry.role != "spatial" or order is None or order < 2:
+        if itinerary.image or symmetry.role != "spatial" or order is None or order < 2:
             continue
         for power in range(1, order):
             found[f"{symmetry.name} {power}"] = apart(imaged(symmetry, later(1.0 / order), p, power))

@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.problems.images import imaged
 from contwalk.problems.mapping import mapped
-from contwalk.problems.orbit.word import Word
+from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
 
@@ -14,14 +14,14 @@ MOST_ORDER = 24
 
 
 def closure_image(
-    system: System, word: Word, states: np.ndarray, parameters: ParameterValues, number: int
+    system: System, itinerary: Itinerary, states: np.ndarray, parameters: ParameterValues, number: int
 ) -> np.ndarray:
     """States (k, n) of one closure of the whole motion, from those of the integrated one, number 0."""
-    if not word.image:
+    if not itinerary.image:
         return states
     # S x(T) = x(0): the next closure is the inverse image
-    power = (word.power * (word.order - number)) % word.order
-    return images_of(system.symmetry(word.image), states, parameters, power)
+    power = (itinerary.power * (itinerary.order - number)) % itinerary.order
+    return images_of(system.symmetry(itinerary.image), states, parameters, power)
 
 
 def images_of(

@@ -71,7 +71,7 @@ class Deviations:
         own, size = problem.extended(0), problem.layout.sizes[0]
         product = monodromy.once_round(problem, self._jacobian, 0)
         v = eigenvector(product, monodromy.neutral_directions(problem, z, 0), own, number)
-        if problem.word.eventful and abs(multiplier) > NOTHING:
+        if problem.itinerary.eventful and abs(multiplier) > NOTHING:
             v = product @ v / multiplier
         start = v[:size]
         if self.timed:
@@ -158,14 +158,14 @@ class Deviations:
         x = jacobian[rows, place].copy()
         if last.following == place:  # the start is the next one's
             x += np.eye(len(x))
-        if problem.word.legs[i].transition is None:
+        if problem.itinerary.legs[i].transition is None:
             return x @ d
         guard = layout.guards + i
         rate = monodromy.by_duration(problem, last, jacobian, guard)
         if abs(rate) * problem.mesh.total <= NO_RATE * problem.guard_scales[i]:
             raise ContwalkError(
-                f"Event '{problem.word.legs[i].name}' is only touched: what becomes of a deviation there "
-                "has no derivative.",
+                f"Event '{problem.itinerary.legs[i].name}' is only touched: what becomes of a deviation "
+                "there has no derivative.",
                 "Name a point beside it.",
             )
         late = -float(jacobian[guard, place] @ d) / rate

@@ -40,7 +40,7 @@ def mirror_of(problem: SegmentedOrbit, sample: Sample) -> OrbitMirror | None:
     None where no declared symmetry, or product of some, does; for orbits that close up to a symmetry, turn,
     or are held along neutral directions it is not looked for.
     """
-    if not problem.system.symmetries or problem.word.image or np.any(problem.turns):
+    if not problem.system.symmetries or problem.itinerary.image or np.any(problem.turns):
         return None
     if problem.pins or not problem.moves(sample.z):
         return None

@@ -63,14 +63,14 @@ def _factor(orbit: OrbitData, segment: Segment, jacobian: np.ndarray) -> np.ndar
             return x
         still = np.append(np.zeros(len(x)), 1.0)
         return np.vstack([np.hstack([x, jacobian[rows, layout.start, None]]), still])
-    if orbit.word.legs[i].transition is None:
+    if orbit.itinerary.legs[i].transition is None:
         return _to_the_end(orbit, i, x, jacobian)
     guard = layout.guards + i
     late, guard_x = by_duration(orbit, segment, jacobian, rows), jacobian[guard, place]
     # An event without rate: those multipliers that stay finite have a limit, and this is near it.
     least = NO_RATE * float(orbit.guard_scales[i]) / orbit.mesh.total
     rate = by_duration(orbit, segment, jacobian, guard)
-    rate = rate if abs(rate) > least else (-least if orbit.word.legs[i].falls else least)
+    rate = rate if abs(rate) > least else (-least if orbit.itinerary.legs[i].falls else least)
     if orbit.timed(i):
         x = np.hstack([x, jacobian[rows, layout.start, None]])
         guard_x = np.append(guard_x, jacobian[guard, layout.start])
@@ -120,7 +120,7 @@ def once_round(orbit: OrbitData, jacobian: np.ndarray, first: int) -> np.ndarray
 
 def _arrives_without_rate(orbit: OrbitData, jacobian: np.ndarray) -> bool:
     """Whether an event is a terminal grazing, to rounding: there multipliers may be infinite."""
-    events = np.flatnonzero([leg.transition is not None for leg in orbit.word.legs])
+    events = np.flatnonzero([leg.transition is not None for leg in orbit.itinerary.legs])
     own = orbit.layout.durations.start + events
     rates = np.abs(jacobian[orbit.layout.guards + events, own]) * orbit.mesh.total
     return bool(np.any(rates <= NO_RATE * orbit.guard_scales[events]))
@@ -194,7 +194,7 @@ def spectrum(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> Multiplie
 
     z has the shape (N + 1,), the jacobian (N, N + 1).
     """
-    if not orbit.eventful and len(orbit.word) == 1:
+    if not orbit.eventful and len(orbit.itinerary) == 1:
         return _of_closure(orbit, z, jacobian)
     smallest = orbit.smallest
     once = once_round(orbit, jacobian, smallest)
@@ -227,7 +227,7 @@ def _sections(
     left out: it has gone already.
     """
     found, magnitudes, left_out = [], [], []
-    flows = orbit.word.eventful or not orbit.forced
+    flows = orbit.itinerary.eventful or not orbit.forced
     segments, legs, first = chain(orbit, jacobian), orbit.layout.legs, orbit.smallest
     becoming = becoming_of(orbit, z)
     for i in ((first + k) % legs for k in range(legs)):
@@ -272,13 +272,13 @@ def trivial_error(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> floa
     """
     if orbit.forced or becoming_of(orbit, z) is not None:
         return float("nan")
-    if not orbit.eventful and len(orbit.word) == 1:
+    if not orbit.eventful and len(orbit.itinerary) == 1:
         return _missed(orbit, z, jacobian)
     if _arrives_without_rate(orbit, jacobian):
         return float("nan")
     worst, legs = 0.0, orbit.layout.legs
     for i, factors in enumerate(chain(orbit, jacobian)):
-        if orbit.word.legs[i].collapsed:
+        if orbit.itinerary.legs[i].collapsed:
             continue
         for j, factor in enumerate(factors):
             last, there = j == len(factors) - 1, (i + 1) % legs
@@ -288,7 +288,7 @@ def trivial_error(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> floa
             left = factor @ own
             if not last:
                 left = left - flow_direction(orbit, z, i, j + 1)
-            elif orbit.word.legs[i].transition is None:
+            elif orbit.itinerary.legs[i].transition is None:
                 left = left - flow_direction(orbit, z, there)
             scale = norm_in(np.abs(factor) @ np.abs(own), units)
             if size > 0.0 and scale > 0.0:

@@ -13,13 +13,13 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.effort import Effort
 from contwalk.problems.orbit.evaluations import Evaluations
+from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.layout import Positions
 from contwalk.problems.orbit.passage import Passage
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.section import Reference
 from contwalk.problems.orbit.stretch import Stretch, View
-from contwalk.problems.orbit.word import Word
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.system import Neutral, System
 
@@ -40,7 +40,7 @@ class OrbitData(Orbit):
     """A system, the line of its parameters, what is pinned, and how finely orbits are computed."""
 
     layout: Positions
-    word: Word
+    itinerary: Itinerary
     turns: np.ndarray
     _mesh: Any
     # Of an integral phase condition, the orbit to which the phase is nearest.
@@ -108,12 +108,12 @@ class OrbitData(Orbit):
     @property
     def forcings(self) -> float:
         """Periods of the forcing in a closure: a part of them, if the closure is part of a cycle."""
-        return self.subharmonic / self.word.closures
+        return self.subharmonic / self.itinerary.closures
 
     @property
     def whole(self) -> tuple[str, int]:
         """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
-        name, times = self.word.relabelled(self.system)
+        name, times = self.itinerary.relabelled(self.system)
         return name or "full", times
 
     @property
@@ -122,8 +122,8 @@ class OrbitData(Orbit):
 
         A relabelled closure is a whole one: the machine is in the same state again.
         """
-        image = self.word.image
-        return self.word.order if image and self.system.symmetry(image).role == "spatial" else 1
+        image = self.itinerary.image
+        return self.itinerary.order if image and self.system.symmetry(image).role == "spatial" else 1
 
     def passes(self, z: np.ndarray) -> Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Of each segment the states at its steps, its end, and the derivatives of that."""
@@ -167,7 +167,7 @@ class OrbitData(Orbit):
     @property
     def eventful(self) -> bool:
         """Whether the closure ends with an event."""
-        return self.word.eventful
+        return self.itinerary.eventful
 
     @property
     def smallest(self) -> int:
@@ -175,14 +175,14 @@ class OrbitData(Orbit):
 
         Without an event only the first one is a section.
         """
-        if not self.word.eventful:
+        if not self.itinerary.eventful:
             return 0
-        lasting = [i for i, leg in enumerate(self.word.legs) if not leg.collapsed]
+        lasting = [i for i, leg in enumerate(self.itinerary.legs) if not leg.collapsed]
         return min(lasting, key=lambda i: self.layout.sizes[i])
 
     def timed(self, i: int) -> bool:
         """Whether the time is a coordinate of the start of leg i: it may begin earlier or later."""
-        return self.forced and (self.word.eventful or i > 0)
+        return self.forced and (self.itinerary.eventful or i > 0)
 
     def extended(self, i: int) -> np.ndarray:
         """Typical magnitudes of the coordinates at the start of leg i: its states, and time if it is one.

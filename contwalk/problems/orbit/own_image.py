@@ -37,7 +37,7 @@ def halved(there: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> Segment
 
     z and tangent have the shape (N + 1,).
     """
-    if there.word.image or np.any(there.turns):
+    if there.itinerary.image or np.any(there.turns):
         return None
     n, p, scale = there.states, ParameterValues(**there.values_of(z)), there.mesh.variation
     x, v = z[:n], tangent[:n] / np.linalg.norm(tangent[:n] / scale)

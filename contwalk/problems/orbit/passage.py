@@ -16,10 +16,10 @@ from contwalk.flow import Field
 from contwalk.flow.events.guard_derivatives import MOST_NODES
 from contwalk.memory import memory_of, remembered
 from contwalk.problems.orbit.compiled_leg import CompiledLeg
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.traced_leg import NOTHING_MORE, ONE_PERIOD, Closing, Scalar, ScalarInputs
 from contwalk.problems.orbit.watching import Watched
-from contwalk.problems.orbit.word import Leg
 from contwalk.system import Condition, System, Transition
 
 

@@ -157,9 +157,9 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
                 **neutrals.kept(self.pins, self.line, self.states),
                 "segments": self.mesh.segments,
                 **({"scheme": self.discretization.scheme} if self.uneven else {}),
-                "fold": self.word.closures,
+                "fold": self.itinerary.closures,
                 "parts": self.parts,
-                "power": self.word.power,
+                "power": self.itinerary.power,
                 "turns": self.turns.tolist(),
                 # Where the stored state is taken: a section, or where the phase happens to be fixed.
                 "reported": "at a section" if self.discretization.report_at is not None else "",
@@ -318,8 +318,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         curve, p = self.curve(z), ParameterValues(**self.values_of(z))
         for number in SEEN_FROM:
             _, states = with_extrema(curve, *curve.sampled(number))
-            closures = range(self.word.closures)
-            whole = np.concatenate([closure_image(self.system, self.word, states, p, j) for j in closures])
+            closures = range(self.itinerary.closures)
+            whole = np.concatenate(
+                [closure_image(self.system, self.itinerary, states, p, j) for j in closures]
+            )
             apart = [distance(whole, x, periods, self.mesh.variation) for x in points]
             passed = next((k for k, away in enumerate(apart) if away < 30.0 * ALIKE), None)
             if passed is not None or min(apart, default=np.inf) > PERHAPS:

@@ -22,6 +22,7 @@ from contwalk.problems.kink import Kink
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.closure import closure_image
 from contwalk.problems.orbit.closure_view import SAMPLES, ClosureView
+from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.problems.orbit.layout import ClosureLayout
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.orbit_data import OrbitData
@@ -32,7 +33,6 @@ from contwalk.problems.orbit.shooting import Mesh, velocity
 from contwalk.problems.orbit.solution import Curve, Solution
 from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
-from contwalk.problems.orbit.word import Leg, Word
 from contwalk.system.declarations import ParameterValues
 
 # Halves: pitchforks of orbits with a symmetry that nobody declared stay pitchforks as well.
@@ -49,7 +49,7 @@ class SegmentedOrbit(OrbitData):
     _mesh: Mesh | None
 
     def _begin(self) -> None:
-        self.word, self.turns = Word((Leg(self.system.modes[0].name),)), np.zeros(self.states)
+        self.itinerary, self.turns = Itinerary((Leg(self.system.modes[0].name),)), np.zeros(self.states)
         self._compile()
         self.parts = PARTS  # of the closure in which the steps are alike
         self.layout = self._laid_out(1)
@@ -57,12 +57,12 @@ class SegmentedOrbit(OrbitData):
     def _compile(self) -> None:
         """The field over one closure, and the map at its end."""
         inputs = ScalarInputs(self.line.own, self.line.moving, self.pins)
-        closing = Closing(self.word.image, self.word.power, self.forcings)
+        closing = Closing(self.itinerary.image, self.itinerary.power, self.forcings)
         self.passage: Passage = closure_of(self.system, inputs, closing)
 
     def closing(self, turns: np.ndarray, image: str = "", power: int = 1, order: int = 1) -> Self:
         """The same orbits closed up to a symmetry (or to none), with angles that turn, (n,)."""
-        other = self.varied(word=Word(self.word.legs, image, power, order), turns=turns)
+        other = self.varied(itinerary=Itinerary(self.itinerary.legs, image, power, order), turns=turns)
         other._compile()
         return other
 
@@ -171,13 +171,13 @@ class SegmentedOrbit(OrbitData):
 
     def stretches(self, z: np.ndarray) -> list[Stretch[ClosureView]]:
         """The whole motion of z, shape (N + 1,): the integrated part, and its images, one after the other."""
-        (view,), system, word = self.view(z), self.system, self.word
+        (view,), system, itinerary = self.view(z), self.system, self.itinerary
         p, every = ParameterValues(**self.values_of(z)), tuple(range(self.states))
 
         def seen(number: int) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-            return lambda _, states: closure_image(system, word, states, p, number)
+            return lambda _, states: closure_image(system, itinerary, states, p, number)
 
-        return [Stretch("", view, j * view.duration, seen(j), every) for j in range(word.closures)]
+        return [Stretch("", view, j * view.duration, seen(j), every) for j in range(itinerary.closures)]
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start. z has the shape (N + 1,), the velocity (n,)."""

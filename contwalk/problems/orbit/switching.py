@@ -48,7 +48,7 @@ def doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
 
 def unfolded(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to. z has the shape (N + 1,)."""
-    closures = problem.word.closures
+    closures = problem.itinerary.closures
     whole = problem.closing(closures * problem.turns).varied(parts=closures)
     there, start, tangent = _followed(problem, z, closures, whole)
     return (Seed("BP", start, tangent, amplitude(tangent), there),)
@@ -56,14 +56,16 @@ def unfolded(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
 
 def _doubled(problem: SegmentedOrbit) -> SegmentedOrbit:
     """The problem of the orbits that close after two of this one's closures."""
-    word, turns = problem.word, 2.0 * problem.turns
-    if not word.image:
+    itinerary, turns = problem.itinerary, 2.0 * problem.turns
+    if not itinerary.image:
         other = problem.varied(subharmonic=2 * problem.subharmonic) if problem.forced else problem
         return other.closing(turns).varied(parts=2)
-    order = word.order // 2 if word.order % 2 == 0 else word.order
+    order = itinerary.order // 2 if itinerary.order % 2 == 0 else itinerary.order
     if order == 1:
         return problem.closing(turns).varied(parts=2)
-    return problem.closing(turns, word.image, 2 * word.power % word.order, order).varied(parts=2)
+    return problem.closing(turns, itinerary.image, 2 * itinerary.power % itinerary.order, order).varied(
+        parts=2
+    )
 
 
 def _followed(

@@ -22,7 +22,7 @@ from contwalk.errors import SystemDefinitionError
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.problems import conserving
-from contwalk.problems.orbit.word import Leg
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.problems.tracing import parameter_symbols, refuse_time, refuse_time_of, time_refused
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues

@@ -263,10 +263,10 @@ def following(
 
     All have the shape (n,).
     """
-    word, turns = problem.word, problem.turns
-    if not word.image:
+    itinerary, turns = problem.itinerary, problem.turns
+    if not itinerary.image:
         return x + turns, v
-    symmetry, inverse = problem.system.symmetry(word.image), (word.order - 1) * word.power
+    symmetry, inverse = problem.system.symmetry(itinerary.image), (itinerary.order - 1) * itinerary.power
     image = imaged(symmetry, x, p, inverse)
     # Symmetries of machines are affine, so that a difference is exact to rounding.
     step = max(float(np.linalg.norm(x)), 1.0) / (float(np.linalg.norm(v)) or 1.0)

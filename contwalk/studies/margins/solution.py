@@ -159,7 +159,7 @@ def _with_events(
     system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float], stored: np.ndarray
 ) -> Solution:
     problem, z = problem.explicit(sample.z)
-    stretches, legs = problem.stretches(z), problem.word.unfolded(system).legs
+    stretches, legs = problem.stretches(z), problem.itinerary.unfolded(system).legs
     grid, closure = np.linspace(0.0, 1.0, SAMPLES), problem.duration(z)
     begins, ends = stretches[0].start[0], stretches[-1].end[0]
     states = []

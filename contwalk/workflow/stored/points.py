@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.errors import StartError
-from contwalk.problems.stored_word import StoredWord
+from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.storage import FileDatabase, open_database
 from contwalk.system import System
 
@@ -25,14 +25,14 @@ class StoredPoint:
         All of the system's: its defaults where the database has none.
     period : float
         Of the whole orbit; NaN for an equilibrium.
-    word : StoredWord, optional
+    itinerary : StoredItinerary, optional
         Of a hybrid orbit.
     """
 
     state: np.ndarray
     parameters: dict[str, float]
     period: float
-    word: StoredWord | None = None
+    itinerary: StoredItinerary | None = None
 
 
 def stored_point(file: Path, point: str, system: System) -> StoredPoint:
@@ -56,12 +56,12 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
             stored = dict(place.parameters)
     fold = int(branch.info.settings.get("fold", 1))
     known = {k: float(v) for k, v in stored.items() if k in system.parameter_names}
-    word = None
+    itinerary = None
     if branch.info.problem == "hybrid_orbit":
         kept = branch.info.settings
         named = str(kept.get("image", "")), tuple(kept.get("pins", ()))
-        word = StoredWord(kept["legs"], branch.info.subharmonic, unknowns, *named)
-    return StoredPoint(state, {**system.defaults(), **known}, fold * period, word)
+        itinerary = StoredItinerary(kept["legs"], branch.info.subharmonic, unknowns, *named)
+    return StoredPoint(state, {**system.defaults(), **known}, fold * period, itinerary)
 
 
 def branch_of(db: FileDatabase, file: Path, point: str, system: System) -> Branch:

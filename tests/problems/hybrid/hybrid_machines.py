@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit
-from contwalk.problems.orbit.word import Leg
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Mode, State, Symmetry, System, Transition
 
 
@@ -32,7 +32,7 @@ class Case:
     state: tuple[float, ...]
     parameters: Mapping[str, float] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
-    word: tuple[str, ...] = ()
+    itinerary: tuple[str, ...] = ()
 
 
 # -- a field that switches continuously ----------------------------------------------------------------------
@@ -239,12 +239,12 @@ def orbit(name: str, accuracy: float = ACCURACY) -> tuple[HybridOrbit, np.ndarra
 def simulated(
     problem: HybridOrbit, p: SimpleNamespace, first: int, x: np.ndarray, t: float, durations: np.ndarray
 ) -> tuple[np.ndarray, float]:
-    """State and time after one round of the word from leg `first` on, its events located by scipy.
+    """State and time after one round of the itinerary from leg `first` on, its events located by scipy.
 
     `x` holds the states of that leg. Guards count after a twentieth of the legs' durations: a displaced start
     may be on the other side of the guard that it comes from.
     """
-    system, legs, end = problem.system, problem.word.legs, t + float(durations.sum())
+    system, legs, end = problem.system, problem.itinerary.legs, t + float(durations.sum())
     for k in range(len(legs)):
         i = (first + k) % len(legs)
         x, t = through(system, legs[i], p, x, t, float(durations[i]), end)

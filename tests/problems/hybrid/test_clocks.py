@@ -215,7 +215,7 @@ def test_modes_are_entered_with_the_other_clock_past_zero():
     opening = opened(system, "share", [0.2], until="settled")
     assert isinstance(opening, Opening), opening.message
     sample = opening.state.sample
-    assert opening.problem.word.signature(opening.problem.system) in (
+    assert opening.problem.itinerary.signature(opening.problem.system) in (
         ("opens", "closes"),
         ("closes", "opens"),
     )

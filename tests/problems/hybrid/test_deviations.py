@@ -43,7 +43,7 @@ def neighbour(problem: HybridOrbit, z: np.ndarray, start: np.ndarray) -> np.ndar
     begin = float(problem.starting_times(z)[0])
     instants, x, t, found = begin + at(durations), start, begin, []
     for i, lasting in enumerate(durations):
-        leg = problem.word.legs[i % problem.layout.legs]
+        leg = problem.itinerary.legs[i % problem.layout.legs]
         place = list(system.states_of(leg.mode))
 
         def full(y: np.ndarray, place: list[int] = place) -> np.ndarray:
@@ -80,7 +80,7 @@ def deviated(deviations, mode, legs: int) -> np.ndarray:
 
 @cache
 def soft_orbit() -> tuple[HybridOrbit, np.ndarray]:
-    """One whose word leaves out the soft transitions that it meets."""
+    """One whose itinerary leaves out the soft transitions that it meets."""
     found = solution(spring_and_wall(), "force", [0.0, 0.5], {"force": 1.5}, until="settled", accuracy=1e-11)
     assert isinstance(found[0], SoftOrbit)
     return found
@@ -165,7 +165,7 @@ def checked(
 def test_a_mirrored_half_with_pinned_directions():
     """The second half is seen as the image of an integrated one; places that are pinned start undisplaced."""
     problem, z = travelling_orbit()
-    assert problem.word.image == "mirror"
+    assert problem.itinerary.image == "mirror"
     deviations = Deviations(problem, z)
     x = problem.stretches(z)[0].start[1]
     assert np.allclose(deviations.mode(1).start[3:], 0.0, atol=1e-12)
@@ -174,7 +174,7 @@ def test_a_mirrored_half_with_pinned_directions():
 
 def test_a_smooth_orbit_of_half_a_period():
     problem, z = smooth_orbit()
-    assert problem.word.closures == 2
+    assert problem.itinerary.closures == 2
     checked(Deviations(problem, z), problem, z, problem.first_state(z), field, problem.duration(z))
 
 

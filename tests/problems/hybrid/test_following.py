@@ -1,4 +1,4 @@
-"""Whether the machine itself, by simulation, does what an orbit's word says."""
+"""Whether the machine itself, by simulation, does what an orbit's itinerary says."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ def test_neighbours_of_a_limit_are_those_of_its_own_orbits(monkeypatch) -> None:
     assert ask(problem.varied(turns=np.array([2.0 * math.pi, 0.0]))) == 2
     pinned = type(problem)(
         system,
-        problem.word,
+        problem.itinerary,
         problem.parameters,
         "F",
         pins=(Neutral("n", lambda t, x, p, dx: None),),
@@ -95,10 +95,11 @@ def test_neighbours_of_a_limit_are_those_of_its_own_orbits(monkeypatch) -> None:
     monkeypatch.setattr(type(pinned), "values_of", lambda orbit, z: dict(values))
     assert ask(pinned) == 3
     ends = (values, values | {"k": 0.1})
-    path = type(problem)(system, problem.word, problem.parameters, "F", ends)
+    path = type(problem)(system, problem.itinerary, problem.parameters, "F", ends)
     assert ask(path) == 4
     assert (
-        ask(type(problem)(system, problem.word, problem.parameters, "F", (values, values | {"k": 0.2}))) == 5
+        ask(type(problem)(system, problem.itinerary, problem.parameters, "F", (values, values | {"k": 0.2})))
+        == 5
     )
 
 

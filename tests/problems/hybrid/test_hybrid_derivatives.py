@@ -51,7 +51,7 @@ def on_a_path(name: str) -> tuple[HybridOrbit, np.ndarray]:
     end = values | {n: 1.1 * values[n] for n in names}
     z = np.append(z[:-1], 0.5)
     other = HybridOrbit(
-        problem.system, problem.word, begin, "path", (begin, end), subharmonic=problem.subharmonic
+        problem.system, problem.itinerary, begin, "path", (begin, end), subharmonic=problem.subharmonic
     )
     other = other.varied(turns=problem.turns)
     return other.adapted_to(z, np.append(cycle_scales(problem)[1], 1.0)), z
@@ -123,6 +123,6 @@ def test_the_words_are_those_meant():
     """Every kind of transition is there, hard and soft, and modes of several sizes."""
     for name, case in CASES.items():
         problem, _ = orbit(name)
-        assert sorted(leg.name for leg in problem.word.legs if leg.name) == sorted(case.word), name
+        assert sorted(leg.name for leg in problem.itinerary.legs if leg.name) == sorted(case.itinerary), name
     assert {len(TANK.states_of(mode.name)) for mode in TANK.modes} == {2, 3}
     assert {len(WALKER.states_of(mode.name)) for mode in WALKER.modes} == {6, 4}

@@ -16,7 +16,7 @@ from scipy.linalg import expm
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import least, own_image
 from contwalk.problems.hybrid.switching import discretized
-from contwalk.problems.orbit.word import Word
+from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.system import State, Symmetry, Transition
 
 OMEGA, ZETA = 2.6, 0.1
@@ -41,7 +41,7 @@ def test_a_quiet_orbit_of_several_periods_is_one_of_a_single_period(times: int) 
     p = parameters(OMEGA, ZETA)
     p.force = 0.5 * stiffness(p)
     problem, z = solution(SYSTEM, "force", forced(p, 0.0), vars(p))
-    longer, often = problem.of_word(problem.word, times), z.copy()
+    longer, often = problem.of_itinerary(problem.itinerary, times), z.copy()
     often[problem.layout.durations] *= times
     there = discretized(longer, often)
     part, start = least(there, often)
@@ -55,12 +55,12 @@ def test_a_quiet_orbit_of_several_periods_is_one_of_a_single_period(times: int) 
 
 def test_a_whole_orbit_that_is_its_own_image_is_halved() -> None:
     problem, z = rocking()
-    whole = problem.of_word(problem.word.unfolded(problem.system))
+    whole = problem.of_itinerary(problem.itinerary.unfolded(problem.system))
     there = discretized(whole, images(problem, z, 2))
     assert own_image(there, images(problem, z, 2)) == "inversion"
     assert there.returned_to_parent(images(problem, z, 2))
     part, start = least(there, images(problem, z, 2))
-    assert (part.word, part.subharmonic, part.forcings) == (problem.word, 3, 1.5)
+    assert (part.itinerary, part.subharmonic, part.forcings) == (problem.itinerary, 3, 1.5)
     np.testing.assert_array_equal(start, z)
 
 
@@ -68,7 +68,7 @@ def test_an_orbit_that_nearly_is_its_own_image_is_whole() -> None:
     problem, z = rocking()
     near = images(problem, z, 2)
     near[1] += 1e-5 * abs(near[1])
-    there = discretized(problem.of_word(problem.word.unfolded(problem.system)), near)
+    there = discretized(problem.of_itinerary(problem.itinerary.unfolded(problem.system)), near)
     assert least(there, near) == (there, near)
 
 
@@ -80,12 +80,12 @@ def test_an_orbit_is_not_halved_by_a_symmetry_that_nobody_declared() -> None:
 
 def test_half_an_orbit_that_goes_round_three_times_is_divided() -> None:
     problem, z = rocking()
-    first = problem.word.legs
-    second = problem.word.unfolded(problem.system).legs[1:]
-    often = problem.of_word(Word(first + second + first, problem.word.image), 3)
+    first = problem.itinerary.legs
+    second = problem.itinerary.unfolded(problem.system).legs[1:]
+    often = problem.of_itinerary(Itinerary(first + second + first, problem.itinerary.image), 3)
     there = discretized(often, images(problem, z, 3))
     part, start = least(there, images(problem, z, 3))
-    assert (part.word, part.subharmonic) == (problem.word, problem.subharmonic)
+    assert (part.itinerary, part.subharmonic) == (problem.itinerary, problem.subharmonic)
     np.testing.assert_array_equal(start, z)
 
 

@@ -23,8 +23,8 @@ from contwalk.continuation.settings import Settings
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.switching import rotated
 from contwalk.problems.orbit.discretization import SOLVED
-from contwalk.problems.stored_word import StoredWord
-from contwalk.studies.opening_eventful import opened_word
+from contwalk.problems.stored_itinerary import StoredItinerary
+from contwalk.studies.opening_eventful import opened_itinerary
 from contwalk.system import Neutral, Symmetry, System, Transition
 from contwalk.workflow.stored.orbits import orbit_at
 
@@ -170,18 +170,18 @@ def test_a_half_cycle_is_stored_and_taken_up_again(tmp_path):
     parent, _ = branches(True)
     system = two_sided(True)
     problem, sample = reopened(system, parent, 3)
-    assert problem.word.image == "mirror"
+    assert problem.itinerary.image == "mirror"
     assert [pin.name for pin in problem.pins] == ["aside", "up"]
-    stored = StoredWord(parent.info.settings["legs"], 1, parent.unknowns(3), "mirror", ("aside", "up"))
+    stored = StoredItinerary(parent.info.settings["legs"], 1, parent.unknowns(3), "mirror", ("aside", "up"))
     values = {"rho": float(sample.z[-1])}
     settings = Settings(range=RANGE)
-    opening = opened_word(system, values, "rho", settings, None, None, None, stored)
+    opening = opened_itinerary(system, values, "rho", settings, None, None, None, stored)
     assert isinstance(opening, Opening)
     np.testing.assert_allclose(opening.state.sample.eigenvalues, sample.eigenvalues, rtol=1e-6)
 
 
 def test_it_may_begin_with_any_leg():
-    """A word of two legs in half a cycle, begun with the other one: the image of the first follows."""
+    """An itinerary of two legs in half a cycle, begun with the other one: the image of the first follows."""
     system = machine(
         ["x", "y", "z", "s", "h"],
         {"rho": 325.0},
@@ -204,10 +204,10 @@ def test_it_may_begin_with_any_leg():
         neutral=two_sided(True).neutral,
     )
     problem, z = solution(system, "rho", [*START, 0.0, 0.0], mode="right", until="settled")
-    assert len(problem.word) == 2
+    assert len(problem.itinerary) == 2
     found = problem.multipliers(z, problem.jacobian(z)).values
     other, turned = rotated(problem, z, 1)
-    assert other.word.legs[0] != problem.word.legs[0]
+    assert other.itinerary.legs[0] != problem.itinerary.legs[0]
     # On steps of its own, to their tolerance.
     assert other.linearize(turned).excess * SOLVED < 1.0
     np.testing.assert_allclose(other.multipliers(turned, other.jacobian(turned)).values, found, rtol=1e-6)

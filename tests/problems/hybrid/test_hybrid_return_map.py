@@ -53,7 +53,7 @@ def image(problem: HybridOrbit, z: np.ndarray, first: int, start: np.ndarray, la
         own = problem.layout.inputs(i, z)[1].copy()
         if problem.forced:
             own[1] = begin
-        if problem.word.legs[i].transition is not None:
+        if problem.itinerary.legs[i].transition is not None:
             for _ in range(20):
                 own[0] = lasting
                 end, moved = piece.differentiated(PLAIN, x, own)
@@ -157,7 +157,7 @@ def test_multipliers_are_those_of_the_simulated_map(name):
 def test_number_of_multipliers(name):
     """States of the smallest mode, less the flow's own direction unless time counts."""
     problem, z = orbit(name)
-    least = min(len(problem.system.states_of(leg.mode)) for leg in problem.word.legs)
+    least = min(len(problem.system.states_of(leg.mode)) for leg in problem.itinerary.legs)
     expected = least - (0 if problem.system.period else 1)
     assert problem.spectrum_size == expected
     assert len(problem.multipliers(z, problem.linearize(z).jacobian).values) == expected

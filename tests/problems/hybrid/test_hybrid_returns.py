@@ -7,7 +7,7 @@ from hybrid_runs import machine
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
 from contwalk.problems.initial import event_search as recurrence
-from contwalk.problems.initial.event_recurrence import lap_from
+from contwalk.problems.initial.event_recurrence import recurrence_from
 from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Transition
 
@@ -37,7 +37,7 @@ def test_a_motion_whose_impacts_accumulate_has_no_orbit(e, until):
     # the motion's size, and slow ones (e = 0.97) shorten by less than a twentieth each.
     ends = np.sqrt(2.0) * (1.0 + e) / (1.0 - e)
     with pytest.raises(StartError, match="accumulates") as raised:
-        lap_from(BALL, {"e": e}, np.array([1.0, 0.0]), until=until)
+        recurrence_from(BALL, {"e": e}, np.array([1.0, 0.0]), until=until)
     told = float(raised.value.sentence.split("until t = ")[1].split(". ")[0])
     # The sum of a series, of which the last flights are known to some digits.
     assert told == pytest.approx(ends, rel=1e-9)
@@ -65,8 +65,8 @@ CLOCK = machine(
 @pytest.mark.parametrize("until", ["settled", 1500.0])
 def test_a_motion_that_takes_more_than_a_thousand_events_to_settle_is_found(until):
     # y misses 1 by rate^n: its change in one lap is below 1e-5 of its range (1/2) after 1380 of them.
-    lap = lap_from(CLOCK, {"rate": 0.995, "goal": 1.0}, np.zeros(2), until=until)
-    assert lap.word.signature(CLOCK) == ("tick",)
+    lap = recurrence_from(CLOCK, {"rate": 0.995, "goal": 1.0}, np.zeros(2), until=until)
+    assert lap.itinerary.signature(CLOCK) == ("tick",)
     assert lap.stretches[0].start > 1000.0
     assert abs(lap.stretches[0].state[1] - 1.0) < 2e-3  # 0.995^1242
 
@@ -99,19 +99,19 @@ def test_an_irregular_motion_that_comes_near_to_where_it_was_has_not_settled(mon
     # Among 1400 values in an interval, each with the 64 before it, some pairs are nearer than 1e-5.
     monkeypatch.setattr(recurrence, "MOST_STEPS", 50_000)
     with pytest.raises(StartError, match="not periodic"):
-        lap_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]))
+        recurrence_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]))
 
 
 def test_a_search_that_is_given_up_says_how_long_it_has_looked(monkeypatch):
     monkeypatch.setattr(recurrence, "MOST_STEPS", 2000)
     with pytest.raises(StartError, match=r"given up after \d+ events and \d+ steps at t = ") as raised:
-        lap_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]))
+        recurrence_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]))
     assert "nearest return missed by" in raised.value.sentence
     assert "until: SECONDS" in raised.value.remedy
     # What passes before the time that was asked for does not count.
     with pytest.raises(StartError, match=r"after 67 events .* at t = 167\b"):
-        lap_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]), until=100.0)
+        recurrence_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]), until=100.0)
     monkeypatch.setattr(recurrence, "BEFORE", 1)
     with pytest.raises(StartError, match="more than may pass before until") as raised:
-        lap_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]), until=1e6)
+        recurrence_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]), until=1e6)
     assert "until: SECONDS" not in raised.value.remedy

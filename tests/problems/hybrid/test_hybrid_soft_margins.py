@@ -130,7 +130,7 @@ def test_margins_at_the_start_and_the_end_of_a_leg_are_those_of_its_first_and_la
     top = k / (1.0 - Q)
     problem, z = solution(clock(()), "k", **start(k))
     margins = problem.margins(z)
-    (leg,) = problem.word.legs
+    (leg,) = problem.itinerary.legs
     assert leg.name == "tick"
     for test, expected in (("start", TOP - top), ("end", TOP - Q * top)):
         value = margins.values[margins.limits.index(Limit("AZ", "fast", "fast", 0, test, False))]

@@ -220,7 +220,7 @@ class TestParts:
                     )
                     assert place.stop - place.start == n
                     longer[place] += k * problem.turns
-        other = problem.of_word(problem.word.repeated(times), times)
+        other = problem.of_itinerary(problem.itinerary.repeated(times), times)
         return problem, discretized(other, longer), z, longer
 
     @pytest.mark.parametrize("times", [2, 3])
@@ -242,10 +242,10 @@ class TestParts:
         )
         part, start = divided(longer, zs, times)
         np.testing.assert_array_equal(start, z)
-        assert part.word == problem.word
+        assert part.itinerary == problem.itinerary
         assert part.subharmonic == problem.subharmonic
         np.testing.assert_allclose(part.turns, problem.turns, rtol=1e-15)
-        # Multipliers of the longer word are powers.
+        # Multipliers of the longer itinerary are powers.
         once = problem.multipliers(z, problem.linearize(z).jacobian).values
         often = longer.multipliers(zs, longer.linearize(zs).jacobian).values
         np.testing.assert_allclose(np.poly(often), np.poly(once**times), rtol=0, atol=1e-5)

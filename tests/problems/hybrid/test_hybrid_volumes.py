@@ -7,7 +7,7 @@ import pytest
 from hybrid_runs import machine
 
 from contwalk.errors import StartError
-from contwalk.problems.initial.event_recurrence import lap_from
+from contwalk.problems.initial.event_recurrence import recurrence_from
 from contwalk.problems.initial.event_search import MOST_STEPS
 from contwalk.problems.initial.recurrence import AtRest
 from contwalk.system import Conserved, State, System, Transition
@@ -61,7 +61,7 @@ CURVED = machine(STATES, VALUES, {"free": stretched}, WALL)
 
 def told(system: System, **values: float) -> StartError:
     with pytest.raises(StartError) as raised:
-        lap_from(system, {**VALUES, **values}, START)
+        recurrence_from(system, {**VALUES, **values}, START)
     return raised.value
 
 
@@ -91,14 +91,14 @@ def test_a_slight_loss_is_none_of_a_conserved_quantity(system, changed):
 
 def test_with_a_loss_the_machine_comes_to_rest():
     with pytest.raises(AtRest) as raised:
-        lap_from(HARD, {**VALUES, "c": 0.02}, START)
+        recurrence_from(HARD, {**VALUES, "c": 0.02}, START)
     np.testing.assert_allclose(raised.value.state, 0.0, atol=1e-3)
 
 
 def test_with_a_loss_and_a_drive_the_machine_settles_on_an_orbit():
-    lap = lap_from(HARD, {**VALUES, "c": 0.02, "push": 0.3}, START)
+    lap = recurrence_from(HARD, {**VALUES, "c": 0.02, "push": 0.3}, START)
     assert lap.missed < 1e-4
-    assert "wall" in lap.word.signature(HARD)
+    assert "wall" in lap.itinerary.signature(HARD)
 
 
 def test_a_wall_that_has_not_been_met_may_lose_something():
@@ -148,7 +148,7 @@ def swing(angle: float, period: float | None, **values: float) -> StartError:
     states = ["r", State("angle", period=period), "u", "w"]
     system = machine(states, VALUES, {"free": swinging}, [ROPE])
     with pytest.raises(StartError) as raised:
-        lap_from(system, {**VALUES, **values}, np.array([1.2, angle, 0.4, 0.0]))
+        recurrence_from(system, {**VALUES, **values}, np.array([1.2, angle, 0.4, 0.0]))
     return raised.value
 
 

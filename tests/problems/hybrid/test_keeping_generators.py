@@ -40,4 +40,4 @@ def test_an_orbit_without_events_meets_none():
     """Nor does one that is reported at a section."""
     for place, eventful in ((None, False), ((0, 0.0, 1.0), True)):
         told = SimpleNamespace(report_at=place)
-        assert visits(SimpleNamespace(discretization=told, word=SimpleNamespace(eventful=eventful))) == 0
+        assert visits(SimpleNamespace(discretization=told, itinerary=SimpleNamespace(eventful=eventful))) == 0

@@ -111,9 +111,9 @@ def test_the_branch_goes_on_where_the_spring_is_reached():
     # On one side the spring is reached, on the other not.
     problem, z = solution(system(), "force", START, {"force": RANGE[0]}, until="settled")
     assert isinstance(problem, SoftOrbit)
-    assert len(problem.explicit(z)[0].word) == 1
+    assert len(problem.explicit(z)[0].itinerary) == 1
     problem, z = solution(system(), "force", START, {"force": RANGE[1]}, until="settled")
-    assert len(problem.explicit(z)[0].word) == 3
+    assert len(problem.explicit(z)[0].itinerary) == 3
 
 
 def test_orbits_and_multipliers_are_those_of_the_bent_field():
@@ -150,7 +150,7 @@ def test_unknowns_are_split_and_joined_again():
     problem, z = solution(system(), "force", START, {"force": 1.5}, until="settled")
     assert isinstance(problem, SoftOrbit)
     explicit, unknowns = problem.explicit(z)
-    grouping = Grouping(explicit.word, explicit.layout)
+    grouping = Grouping(explicit.itinerary, explicit.layout)
     own, soft = grouping.split(unknowns)
     np.testing.assert_allclose(own, z, rtol=1e-14)
     np.testing.assert_array_equal(grouping.joined(own, soft), unknowns)
@@ -171,7 +171,7 @@ def test_what_is_eliminated_is_solved_for_in_the_order_of_the_motion():
     problem, z = solution(system(), "force", START, {"force": 1.5}, until="settled")
     assert isinstance(problem, SoftOrbit)
     explicit, unknowns = problem.explicit(z)
-    grouping = Grouping(explicit.word, explicit.layout)
+    grouping = Grouping(explicit.itinerary, explicit.layout)
     own, soft = grouping.split(unknowns)
     begun = grouping.joined(own, soft + 1e-3 * np.cos(np.arange(len(soft))))
     found = solved_forward(explicit, grouping, z, begun)
@@ -186,7 +186,7 @@ def test_a_piece_that_does_not_come_to_its_guard_is_left_as_it_is():
     problem, z = solution(system(), "force", START, {"force": 1.5}, until="settled")
     assert isinstance(problem, SoftOrbit)
     explicit, unknowns = problem.explicit(z)
-    grouping = Grouping(explicit.word, explicit.layout)
+    grouping = Grouping(explicit.itinerary, explicit.layout)
     away = z.copy()
     away[problem.layout.states[0]] = 0.0  # at rest, with no force worth the name, it never gets there
     away[-1] = 1e-3
@@ -221,7 +221,7 @@ def test_a_seed_that_begins_with_another_event_keeps_its_way(way, other):
     problem, z = solution(system(), "force", START, {"force": 1.5}, until="settled")
     assert isinstance(problem, SoftOrbit)
     explicit, unknowns = rotated(*problem.explicit(z), 1)
-    assert explicit.word.legs[-1].soft
+    assert explicit.itinerary.legs[-1].soft
     tangent = np.zeros(len(unknowns))
     tangent[-2:] = other, way
     found = softened_seed(Seed("GR", unknowns, tangent, np.abs, explicit))

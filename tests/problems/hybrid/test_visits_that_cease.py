@@ -41,7 +41,7 @@ def block():
 def test_a_guard_is_zero_to_what_the_equations_are_solved_to(left, ceases):
     """The slip begins with the speed that the stop before it has left, in units of what is no residual."""
     problem, z = solution(block(), "a", [0.0], {"a": 1.0 + 1e-6}, mode="stick", until="settled")
-    (slip,) = [i for i, leg in enumerate(problem.word.legs) if leg.mode == "slip"]
+    (slip,) = [i for i, leg in enumerate(problem.itinerary.legs) if leg.mode == "slip"]
     z, weights = z.copy(), filled_magnitudes(problem, z)
     speeds = slice(0, problem.layout.durations.start)  # at the starts of both legs
     weights[speeds] = 1.0

@@ -59,7 +59,7 @@ def test_without_an_event_its_two_legs_are_one(name):
     begins = {"end": 0.0} | {each: phase for each, phase in MARKS.items() if each != name}
     after, names = list(begins.values()), list(begins)
     lasting = dict(zip([*names[1:], "end"], np.diff([*after, 10.0]), strict=True))
-    word = [leg.name for leg in there.word.legs]
+    word = [leg.name for leg in there.itinerary.legs]
     assert sorted(word) == sorted(begins)
     # The orbit is located to 1e-9, relative; a neighbour's unknowns are sums of its.
     assert unknowns[there.layout.durations] == pytest.approx([lasting[each] for each in word], abs=1e-8)

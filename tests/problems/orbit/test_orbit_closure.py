@@ -9,11 +9,11 @@ from small_systems import small_system
 
 import contwalk as cw
 from contwalk.problems.orbit.closure import closure_image, imaged, order_of
+from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.problems.orbit.lifts import JET, MIXED, PLAIN, TANGENT
 from contwalk.problems.orbit.passage import closure_of
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
-from contwalk.problems.orbit.word import Leg, Word
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
@@ -64,7 +64,7 @@ def test_the_closures_of_a_motion_follow_each_other():
     end = np.array([0.9, 0.2])
     start = imaged(TURN, end, P)
     piece = np.array([start, end])
-    word = Word((Leg("all"),), "turn", 1, 3)
+    word = Itinerary((Leg("all"),), "turn", 1, 3)
     whole = [closure_image(SYSTEM, word, piece, P, number) for number in range(word.closures)]
     assert len(whole) == 3
     for before, after in pairwise(whole):

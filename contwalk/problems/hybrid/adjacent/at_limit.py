@@ -35,7 +35,7 @@ def place_of(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> float:
 def begun_elsewhere(
     problem: DiscretizedOrbit, z: np.ndarray, limit: Limit
 ) -> tuple[DiscretizedOrbit, np.ndarray, Limit]:
-    """The same orbit, beginning elsewhere if it closes up to a symmetry just where the word changes.
+    """The same orbit, beginning elsewhere if it closes up to a symmetry just where the itinerary changes.
 
     z has shape (N + 1,).
 
@@ -50,7 +50,7 @@ def begun_elsewhere(
     lowest, highest = {"duration": (1, m - 2), "rate": (0, max(m - 2, 0))}.get(limit.test, (0, m - 1))
     if collapses(problem, limit):
         lowest, highest = 0, m - 1
-    if not problem.word.image or lowest <= i <= highest:
+    if not problem.itinerary.image or lowest <= i <= highest:
         return problem, z, limit
     if lowest > highest:
         raise NoAdjacentOrbit(f"half of the itinerary has {m} events only.")
@@ -127,6 +127,6 @@ def built_at(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: floa
             f"'{limit.name}' would happen again at once, for ever: the machine rests there."
         )
     raise NoAdjacentOrbit(
-        f"'{limit.name}' and '{problem.word.legs[limit.leg].name}' happen at once there, and no itinerary "
-        "with both is known."
+        f"'{limit.name}' and '{problem.itinerary.legs[limit.leg].name}' happen at once there, and no "
+        "itinerary with both is known."
     )

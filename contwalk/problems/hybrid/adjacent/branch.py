@@ -65,7 +65,7 @@ def _refuse_undetermined(problem: DiscretizedOrbit, z: np.ndarray, weights: np.n
     ------
     Undetermined
     """
-    if problem.word.eventful or not problem.forced:
+    if problem.itinerary.eventful or not problem.forced:
         return
     scaled = problem.linearize(z).jacobian / problem.equation_scales[:, None] * weights
     _, sizes, rows = np.linalg.svd(scaled)
@@ -77,9 +77,9 @@ def _refuse_undetermined(problem: DiscretizedOrbit, z: np.ndarray, weights: np.n
     kept = (one * other[-1] - other * one[-1])[place]
     name = problem.system.state_names[passage.states[int(np.argmax(np.abs(kept)))]]
     raise Undetermined(
-        f"Beyond it the machine stays in mode '{problem.word.legs[0].mode}' for ever, where '{name}' comes "
-        f"back to whatever it starts from: at each {problem.free} there is a family of such orbits, and no "
-        "branch to follow. Nothing to do."
+        f"Beyond it the machine stays in mode '{problem.itinerary.legs[0].mode}' for ever, where '{name}' "
+        f"comes back to whatever it starts from: at each {problem.free} there is a family of such orbits, "
+        "and no branch to follow. Nothing to do."
     )
 
 

@@ -23,11 +23,13 @@ def collapsed(problem: DiscretizedOrbit, z: np.ndarray, changing: Sequence[Limit
 
     z has shape (N + 1,).
     """
-    legs = list(problem.word.legs)
+    legs = list(problem.itinerary.legs)
     states, lasting, start = starts_and_durations(problem, z)
     for each in changing:
         legs[each.leg] = replace(legs[each.leg], collapsed=each.test != "past")
         lasting[each.leg] = 0.0
     i, past = changing[0].leg, changing[0].test != "past"
-    other, unknowns = assembled(problem, replace(problem.word, legs=tuple(legs)), states, lasting, start, z)
+    other, unknowns = assembled(
+        problem, replace(problem.itinerary, legs=tuple(legs)), states, lasting, start, z
+    )
     return AdjacentOrbit(other, unknowns, own_limit(other, i, "past" if past else "duration"))

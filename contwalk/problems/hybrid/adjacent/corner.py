@@ -35,7 +35,7 @@ def has_corner(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, tangent: 
     if arrival(found, which, problem.layout.legs) != which:
         return False  # a visit begins or ceases, as the root of the distance
     try:
-        if problem.word.image:
+        if problem.itinerary.image:
             problem, z, limit = begun_elsewhere(problem, z, limit)
             tangent = kernel_direction(problem.linearize(z).jacobian, filled_magnitudes(problem, z))
         neighbour = built_at(problem, z, limit, 0.0)

@@ -20,7 +20,7 @@ from contwalk.problems.hybrid.adjacent.removal import visit, without_visit
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
-from contwalk.problems.orbit.word import Leg
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Transition
 
 
@@ -30,10 +30,10 @@ def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Adjace
     if m < 2:
         raise NoAdjacentOrbit("the itinerary has one event only.")
     before = (i - 1) % m
-    first, second = problem.word.legs[before].transition, problem.word.legs[i].transition
+    first, second = problem.itinerary.legs[before].transition, problem.itinerary.legs[i].transition
     assert first is not None
     assert second is not None
-    origin, target = problem.word.legs[before].mode, problem.word.target(i)
+    origin, target = problem.itinerary.legs[before].mode, problem.itinerary.target(i)
     earlier = [t for t in problem.system.leaving(origin) if _like(t, second)]
     later = [t for t in problem.system.acting if _like(t, first) and t.target == target]
     pairs = [(b, a) for b in earlier for a in later if b.target == a.source]
@@ -46,9 +46,9 @@ def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Adjace
     states, lasting, start = starts_and_durations(there, z)
     t = float(there.starting_times(z)[before]) + lasting[before]
     x = state_on_leg(there, z, before, 1.0)
-    legs = list(problem.word.legs)
+    legs = list(problem.itinerary.legs)
     legs[before] = Leg(origin, b, _direction(b, legs[i]))
-    legs[i] = Leg(b.target, a, _direction(a, problem.word.legs[before]))
+    legs[i] = Leg(b.target, a, _direction(a, problem.itinerary.legs[before]))
     middle = after_transition(problem, legs[before], x, t, z)
     end = after_transition(problem, legs[i], middle, t, z)
     following = (i + 1) % m
@@ -61,7 +61,9 @@ def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Adjace
             "near."
         )
     states[i], lasting[i] = middle, 0.0
-    other, unknowns = assembled(there, replace(problem.word, legs=tuple(legs)), states, lasting, start, z)
+    other, unknowns = assembled(
+        there, replace(problem.itinerary, legs=tuple(legs)), states, lasting, start, z
+    )
     return AdjacentOrbit(other, unknowns, own_limit(other, i, "duration"))
 
 
@@ -74,7 +76,7 @@ def gone(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbi
     try:
         return _exchanged(problem, z, limit)
     except NoAdjacentOrbit:
-        m, legs = problem.layout.legs, problem.word.legs
+        m, legs = problem.layout.legs, problem.itinerary.legs
         first = visit(problem, z, (limit.leg - 1) % m)
         if first is None or legs[first].mode == legs[(first + 1) % m].mode:
             raise

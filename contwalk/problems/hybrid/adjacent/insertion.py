@@ -21,7 +21,7 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.word import Leg, Word, continued, imaged_leg
+from contwalk.problems.orbit.itinerary import Itinerary, Leg, continued, imaged_leg
 from contwalk.system import Transition
 from contwalk.system.declarations import ParameterValues
 
@@ -34,9 +34,9 @@ def inserted(
     z has shape (N + 1,).
     """
     there, i = discretized(problem, z), limit.leg
-    old = problem.word.legs[i]
+    old = problem.itinerary.legs[i]
     if transition.target != old.mode:
-        rest = ", ".join(leg.name for leg in problem.word.legs[i:] if leg.name)
+        rest = ", ".join(leg.name for leg in problem.itinerary.legs[i:] if leg.name)
         follows = f"the rest of the itinerary ({rest}) does" if rest else "a motion without events does"
         raise NoAdjacentOrbit(
             f"after '{transition.name}' the machine is in mode '{transition.target}', from where {follows} "
@@ -48,35 +48,35 @@ def inserted(
     x, t = state_on_leg(there, z, i, place), float(there.starting_times(z)[i]) + place * lasting[i]
     after = after_transition(problem, leg, x, t, z)
     refuse_change(there, transition, x, after)
-    word = problem.word.inserted(i, leg)
+    itinerary = problem.itinerary.inserted(i, leg)
     first, second = place * lasting[i], (1.0 - place) * lasting[i]
     states = [*states[: i + 1], after, *states[i + 1 :]]
     lasting = [*lasting[:i], first, second, *lasting[i + 1 :]]
-    if not problem.word.eventful:
-        word, states, lasting = _after_event(there, z, word, i, states, lasting)
-        start, i = t, len(word) - 1
-    other, unknowns = assembled(there, word, states, lasting, start, z)
+    if not problem.itinerary.eventful:
+        itinerary, states, lasting = _after_event(there, z, itinerary, i, states, lasting)
+        start, i = t, len(itinerary) - 1
+    other, unknowns = assembled(there, itinerary, states, lasting, start, z)
     return AdjacentOrbit(other, unknowns, own_limit(other, i, "rate"))
 
 
 def _after_event(
     problem: DiscretizedOrbit,
     z: np.ndarray,
-    word: Word,
+    itinerary: Itinerary,
     i: int,
     states: list[np.ndarray],
     lasting: list[float],
-) -> tuple[Word, list[np.ndarray], list[float]]:
+) -> tuple[Itinerary, list[np.ndarray], list[float]]:
     """What begins between events, as beginning right after the event that ends leg i: that leg comes last."""
-    symmetry = problem.system.symmetry(word.image) if word.image else None
-    p, early = ParameterValues(**problem.values_of(z)), word.legs[: i + 1]
+    symmetry = problem.system.symmetry(itinerary.image) if itinerary.image else None
+    p, early = ParameterValues(**problem.values_of(z)), itinerary.legs[: i + 1]
     if symmetry is not None:
-        early = tuple(imaged_leg(problem.system, word.image, leg) for leg in early)
-    legs = continued((*word.legs[i + 1 :], *early))
+        early = tuple(imaged_leg(problem.system, itinerary.image, leg) for leg in early)
+    legs = continued((*itinerary.legs[i + 1 :], *early))
     # The last leg goes on as the first one.
     given = [*states[i + 1 :], *(imaged(symmetry, x, p) for x in states[1 : i + 1])]
     joined = [*lasting[i + 1 : -1], lasting[-1] + lasting[0], *lasting[1 : i + 1]]
-    return replace(word, legs=legs), given, joined
+    return replace(itinerary, legs=legs), given, joined
 
 
 def _falls(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> bool:

@@ -1,12 +1,12 @@
-"""The words on the other side of a limit, and the branches of their orbits.
+"""The itineraries on the other side of a limit, and the branches of their orbits.
 
-At a grazing, the orbit itself is an orbit of the neighbouring word too: of one in which the event that is
-just touched happens, with no speed, or of one in which the event that arrives with no speed does not. It
+At a grazing, the orbit itself is an orbit of the neighbouring itinerary too: of one in which the event that
+is just touched happens, with no speed, or of one in which the event that arrives with no speed does not. It
 solves the neighbour's equations exactly, provided that the transition changes nothing at no speed, as an
 impact law does. The same is true where a leg's duration passes zero and two transitions that happen at once
 may be exchanged. The branch that leaves is the null direction of the neighbour's equations there, taken the
 way in which its own limit grows; its first orbits are simulated to see that the machine goes round in that
-word.
+itinerary.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
-from contwalk.problems.orbit.word import Leg
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.problems.problem import Seed
 from contwalk.signatures import folded
 
@@ -52,7 +52,7 @@ def found(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed
         return simulated, f"No orbit of another signature passes there: {reason} {told}"
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
-    words = dict.fromkeys(_words(cast("DiscretizedOrbit", seed.problem)) for seed in seeds)
+    words = dict.fromkeys(_signatures(cast("DiscretizedOrbit", seed.problem)) for seed in seeds)
     branches = "a branch of their own" if len(seeds) == 1 else f"{len(seeds)} branches of their own"
     return seeds, f"The orbits with signature {' and '.join(words)} leave there: {branches}."
 
@@ -61,7 +61,7 @@ def _visited(
     problem: DiscretizedOrbit, point: SpecialPoint, limit: Limit, place: float
 ) -> beyond.Begin | None:
     """Right after an event that is touched and leads into another mode than the one that goes on."""
-    old, transition = problem.word.legs[limit.leg], transition_of(problem, limit)
+    old, transition = problem.itinerary.legs[limit.leg], transition_of(problem, limit)
     if limit.test != "dip" or transition.target == old.mode:
         return None
     z = np.array(point.unknowns)
@@ -73,9 +73,9 @@ def _visited(
     return beyond.Begin(t, x, transition.target, transition.name)
 
 
-def _words(problem: DiscretizedOrbit) -> str:
+def _signatures(problem: DiscretizedOrbit) -> str:
     """The signature, over the whole period."""
-    return f"[{folded(problem.word.signature(problem.system)) or 'no events'}]"
+    return f"[{folded(problem.itinerary.signature(problem.system)) or 'no events'}]"
 
 
 def _leaving(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float, label: str) -> list[Seed]:
@@ -94,7 +94,7 @@ def _leaving(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: floa
         try:
             at = place if changing[0] is limit else place_of(problem, z, changing[0])
             neighbour = built_beyond(problem, z, changing, at)
-            seed = seed_of(neighbour, label, _words(neighbour.problem))
+            seed = seed_of(neighbour, label, _signatures(neighbour.problem))
             if not any(_one(seed, other) for other in seeds):
                 seeds.append(seed)
         except NoAdjacentOrbit as reason:
@@ -111,12 +111,12 @@ def _leaving(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: floa
 
 
 def _one(a: Seed, b: Seed) -> bool:
-    """Whether two branches that leave a point are one: their orbits go through the same word alike."""
+    """Whether two branches that leave a point are one: their orbits go through the same itinerary alike."""
     one, other = cast("DiscretizedOrbit", a.problem), cast("DiscretizedOrbit", b.problem)
     mine, lasting, _ = starts_and_durations(one, a.z)
     theirs, alike, _ = starts_and_durations(other, b.z)
-    for k in range(len(one.word)):
-        if one.word.rotated(one.system, k) != other.word:
+    for k in range(len(one.itinerary)):
+        if one.itinerary.rotated(one.system, k) != other.itinerary:
             continue
         shifted = [*mine[k:], *mine[:k]]
         scale = one.mesh.variation

@@ -12,7 +12,7 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.word import Leg, Word
+from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.system import Transition
 from contwalk.system.declarations import ParameterValues
 
@@ -22,7 +22,7 @@ CHANGES = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class AdjacentOrbit:
-    """An orbit at a limit as one of another word; `grows` is the limit whose margin leaves zero there.
+    """An orbit at a limit as one of another itinerary; `grows` is the limit whose margin leaves zero there.
 
     `z` has shape (N + 1,).
     """
@@ -37,7 +37,7 @@ class NoAdjacentOrbit(Exception):
 
 
 class Undetermined(NoAdjacentOrbit):
-    """There are orbits of the neighbouring word, but no branch of them."""
+    """There are orbits of the neighbouring itinerary, but no branch of them."""
 
 
 def refuse_change(
@@ -80,7 +80,7 @@ def after_transition(
 
 def assembled(
     problem: DiscretizedOrbit,
-    word: Word,
+    itinerary: Itinerary,
     states: Sequence[np.ndarray],
     lasting: Sequence[float],
     start: float,
@@ -90,8 +90,8 @@ def assembled(
 
     States have shape (n,) each, z shape (N + 1,).
     """
-    other, drifts = problem.of_word(word), z[problem.layout.drifts]
-    unknowns = other.assembled(states, lasting, drifts, float(z[-1]), start if word.eventful else 0.0)
+    other, drifts = problem.of_itinerary(itinerary), z[problem.layout.drifts]
+    unknowns = other.assembled(states, lasting, drifts, float(z[-1]), start if itinerary.eventful else 0.0)
     if problem.fitting(z).cuts > 1:
         unknowns = cutting.copied(other, unknowns, start, discretized(problem, z), z)
     return discretized(other, unknowns), unknowns
@@ -115,7 +115,7 @@ def across_symmetry(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: 
 
     The state has shape (n,), z shape (N + 1,).
     """
-    name = problem.word.image_at(i)
+    name = problem.itinerary.image_at(i)
     symmetry = problem.system.symmetry(name) if name else None
     return imaged(symmetry, x, ParameterValues(**problem.values_of(z)))
 
@@ -123,7 +123,9 @@ def across_symmetry(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: 
 def own_limit(problem: DiscretizedOrbit, i: int, test: str) -> Limit:
     """The limit of one test that the event which ends leg i has itself."""
     return next(
-        o for o in problem.limits if o.leg == i and o.test == test and o.name == problem.word.legs[i].name
+        o
+        for o in problem.limits
+        if o.leg == i and o.test == test and o.name == problem.itinerary.legs[i].name
     )
 
 

@@ -19,7 +19,7 @@ from contwalk.problems.hybrid.adjacent.orbit import (
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized, rotated
-from contwalk.problems.orbit.word import Leg, Word
+from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.system import Transition
 
 # A leg that lasts less, in parts of the closure, is one of no time where its ends are limits.
@@ -33,13 +33,13 @@ def removed(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, transition: 
     """
     there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
     following = (i + 1) % m
-    target = transition.target if m == 1 else problem.word.legs[following].mode
-    if target != problem.word.legs[i].mode:
+    target = transition.target if m == 1 else problem.itinerary.legs[following].mode
+    if target != problem.itinerary.legs[i].mode:
         first = visit(problem, z, i)
         if first is not None:
             return without_visit(problem, z, first)
         raise NoAdjacentOrbit(
-            f"without '{transition.name}' the machine stays in mode '{problem.word.legs[i].mode}', from "
+            f"without '{transition.name}' the machine stays in mode '{problem.itinerary.legs[i].mode}', from "
             "where the rest of the itinerary does not follow."
         )
     states, lasting, start = starts_and_durations(there, z)
@@ -48,7 +48,7 @@ def removed(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, transition: 
     )
     if m == 1:
         return _quiet(there, z, transition, start)
-    word = problem.word.without(i)
+    itinerary = problem.itinerary.without(i)
     merged = lasting[i] + lasting[following]
     if following == 0:  # the first leg now begins where the last one did
         kept, times = [states[i], *states[1:i]], [merged, *lasting[1:i]]
@@ -58,7 +58,7 @@ def removed(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, transition: 
         kept = [*states[: i + 1], *states[i + 2 :]]
         times = [*lasting[:i], merged, *lasting[i + 2 :]]
         place = i
-    other, unknowns = assembled(there, word, kept, times, start, z)
+    other, unknowns = assembled(there, itinerary, kept, times, start, z)
     return AdjacentOrbit(other, unknowns, minimum_of(other, place, transition))
 
 
@@ -67,10 +67,10 @@ def visit(problem: DiscretizedOrbit, z: np.ndarray, i: int) -> int | None:
 
     z has shape (N + 1,).
     """
-    word, lasting, m = problem.word, z[problem.layout.durations], problem.layout.legs
+    itinerary, lasting, m = problem.itinerary, z[problem.layout.durations], problem.layout.legs
     for first in (i, (i - 1) % m):
         visited = (first + 1) % m
-        back = word.target(visited) == word.legs[first].mode and not word.image
+        back = itinerary.target(visited) == itinerary.legs[first].mode and not itinerary.image
         if m > 1 and back and abs(float(lasting[visited])) < VISITED * problem.duration(z):
             return first
     return None
@@ -82,20 +82,20 @@ def without_visit(problem: DiscretizedOrbit, z: np.ndarray, first: int) -> Adjac
     z has shape (N + 1,).
     """
     there, z = rotated(problem, z, first) if first else (discretized(problem, z), z)
-    legs, transition = there.word.legs, there.word.legs[0].transition
+    legs, transition = there.itinerary.legs, there.itinerary.legs[0].transition
     assert transition is not None
     states, lasting, start = starts_and_durations(there, z)
     refuse_change(there, transition, state_on_leg(there, z, 0, 1.0), states[2 % len(legs)])
     if len(legs) == 2:
         return _quiet(there, z, transition, start)
-    word = replace(there.word, legs=(replace(legs[2], mode=legs[0].mode), *legs[3:]))
+    itinerary = replace(there.itinerary, legs=(replace(legs[2], mode=legs[0].mode), *legs[3:]))
     given = [states[0], *states[3:]], [sum(lasting[:3]), *lasting[3:]]
-    other, unknowns = assembled(there, word, *given, start, z)
+    other, unknowns = assembled(there, itinerary, *given, start, z)
     return AdjacentOrbit(other, unknowns, minimum_of(other, 0, transition))
 
 
 def _quiet(problem: DiscretizedOrbit, z: np.ndarray, transition: Transition, start: float) -> AdjacentOrbit:
-    """The only event of a word does not happen: an orbit without events, over the whole cycle."""
+    """The only event of an itinerary does not happen: an orbit without events, over the whole cycle."""
     lasting, begin = problem.duration(z), start
     whole = problem.rounds * lasting
     if problem.forced:
@@ -107,6 +107,6 @@ def _quiet(problem: DiscretizedOrbit, z: np.ndarray, transition: Transition, sta
         if share <= 1.0
         else across_symmetry(problem, z, state_on_leg(problem, z, 0, share - 1.0), 0)
     )
-    word = Word((Leg(problem.word.legs[0].mode),))
-    other, unknowns = assembled(problem, word, [x], [whole], 0.0, z)
+    itinerary = Itinerary((Leg(problem.itinerary.legs[0].mode),))
+    other, unknowns = assembled(problem, itinerary, [x], [whole], 0.0, z)
     return AdjacentOrbit(other, unknowns, minimum_of(other, 0, transition))

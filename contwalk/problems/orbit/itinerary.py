@@ -1,4 +1,4 @@
-"""The word of a hybrid orbit: which mode follows which, through which transitions.
+"""The itinerary of a hybrid orbit: which mode follows which, through which transitions.
 
 An orbit is a cycle of *legs*: a leg is a smooth piece in one mode, ended by a transition. The signature that
 a user sees lists the transitions, beginning with the one that leads into the first leg. An orbit that meets
@@ -6,7 +6,7 @@ no event is one leg without a transition; one that is looked at from an instant 
 a leg, which the first one continues.
 
 A mode may be entered where the guard of a transition is past zero that acts at entry. It then lasts no time:
-a leg that is collapsed, of which the word tells as of any other.
+a leg that is collapsed, of which the itinerary tells as of any other.
 
 An orbit that is its own mirror image half a period later is half a cycle: after the last transition the state
 is the image of the first one.
@@ -53,7 +53,7 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Word:
+class Itinerary:
     """The cycle of legs, and how it closes: onto itself, or onto its image under a declared symmetry.
 
     An orbit x that closes up to the symmetry S of order q, S x(T) = x(0), is q images of one closure (the
@@ -107,17 +107,17 @@ class Word:
         """The symmetry that is applied at the end of leg i."""
         return self.image if i == len(self) - 1 else ""
 
-    def repeated(self, times: int) -> Word:
-        """The word run through several times."""
-        return Word(continued(self.legs * times))
+    def repeated(self, times: int) -> Itinerary:
+        """The itinerary run through several times."""
+        return Itinerary(continued(self.legs * times))
 
-    def unfolded(self, system: System) -> Word:
-        """The word of the whole period, where this one closes up to a symmetry."""
+    def unfolded(self, system: System) -> Itinerary:
+        """The itinerary of the whole period, where this one closes up to a symmetry."""
         if not self.image:
             return self
-        return Word(continued((*self.legs, *(imaged_leg(system, self.image, leg) for leg in self.legs))))
+        return Itinerary(continued((*self.legs, *(imaged_leg(system, self.image, leg) for leg in self.legs))))
 
-    def rotated(self, system: System, first: int) -> Word:
+    def rotated(self, system: System, first: int) -> Itinerary:
         """The same cycle, beginning with another leg."""
         early = self.legs[:first]
         if self.image:
@@ -125,7 +125,7 @@ class Word:
         return replace(self, legs=(*self.legs[first:], *early))
 
     def has_parts(self, system: System, times: int) -> bool:
-        """Whether the word is a shorter one, run through so many times.
+        """Whether the itinerary is a shorter one, run through so many times.
 
         Of one that closes up to an image, every second time as its image.
         """
@@ -165,12 +165,12 @@ class Word:
         odd = [name for name, number in count.items() if number % 2]
         return ("_".join(odd), self.order) if odd else (None, 1)
 
-    def inserted(self, i: int, leg: Leg) -> Word:
-        """The word with leg i cut in two by another event: `leg` comes first."""
+    def inserted(self, i: int, leg: Leg) -> Itinerary:
+        """The itinerary with leg i cut in two by another event: `leg` comes first."""
         return replace(self, legs=(*self.legs[:i], leg, *self.legs[i:]))
 
-    def without(self, i: int) -> Word:
-        """The word without the event that ends leg i; what follows it continues the leg."""
+    def without(self, i: int) -> Itinerary:
+        """The itinerary without the event that ends leg i; what follows it continues the leg."""
         legs = list(self.legs)
         if len(legs) == 1:
             return replace(self, legs=(replace(legs[0], transition=None),))
@@ -219,8 +219,8 @@ def stored_leg(leg: Leg) -> list[str | bool]:
     return [leg.mode, leg.name, leg.falls, *([True] if leg.collapsed else [])]
 
 
-def named_word(system: System, legs: Sequence[Sequence[Any]], image: str = "") -> Word:
-    """The word of stored legs; see `stored_leg`."""
+def named_itinerary(system: System, legs: Sequence[Sequence[Any]], image: str = "") -> Itinerary:
+    """The itinerary of stored legs; see `stored_leg`."""
 
     def out_of(mode: str, name: str) -> Transition | None:
         if not name:
@@ -230,7 +230,7 @@ def named_word(system: System, legs: Sequence[Sequence[Any]], image: str = "") -
         return system.transition(name, next(source for source in around if source in sources))
 
     named = [Leg(mode, out_of(mode, name), *map(bool, rest)) for mode, name, *rest in legs]
-    return Word(tuple(named), image)
+    return Itinerary(tuple(named), image)
 
 
 def modes_around(system: System, mode: str) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ import numpy as np
 
 
 @dataclass(frozen=True, eq=False)
-class StoredWord:
-    """The legs of a stored orbit, as `orbit.word.stored_leg` has them, and its unknowns.
+class StoredItinerary:
+    """The legs of a stored orbit, as `orbit.itinerary.stored_leg` has them, and its unknowns.
 
     `image` is the symmetry up to which it closes, `pins` are the names of the directions that are held.
     """

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.problems.hybrid.mirrors import Span
-from contwalk.problems.orbit.word import Word
+from contwalk.problems.orbit.itinerary import Itinerary
 
 
 @dataclass(frozen=True, eq=False)
-class Lap:
+class HybridRecurrence:
     """A motion that (nearly) comes back, or comes to the image of where it was.
 
     `magnitudes` are the largest of each state; `returned` is the state after the last event and
@@ -26,6 +26,6 @@ class Lap:
     origin: np.ndarray | None = None
 
     @property
-    def word(self) -> Word:
-        """The word that was read off."""
-        return Word(tuple(stretch.leg for stretch in self.stretches), self.image)
+    def itinerary(self) -> Itinerary:
+        """The itinerary that was read off."""
+        return Itinerary(tuple(stretch.leg for stretch in self.stretches), self.image)
