@@ -127,4 +127,4 @@ def _print_rest(out: Console, result: MarginsResult) -> None:
 
 
 def _size(row: dict[str, object]) -> str:
-    return "none met" if row["border"] is None else f"{row['border']:.4g}"
+    return f"none to {row['farthest']:.4g}" if row["border"] is None else f"{row['border']:.4g}"

@@ -107,7 +107,7 @@ class Margins:
     rows : tuple of mapping
         One for each state and sign at each instant: `number`, `instant`, `fraction`, `state`, `sign`,
         `vector` (the push of size 1), `border` (None where none was met), `several`, `borders`, `ends`,
-        `simulations`.
+        `simulations`, `farthest` (the largest push that was tried; NaN in older files).
     instants : tuple of mapping
         `fraction` of the closure, `time`, `mode` and `state`, a list of n numbers.
     header : mapping
@@ -208,7 +208,7 @@ def write_margins(path: Path, margins: Margins) -> Path:
     rows, text = margins.rows, h5py.string_dtype()
 
     def fill(file: h5py.File) -> None:
-        for name in ("instant", "sign", "simulations", "several"):
+        for name in ("instant", "sign", "simulations", "several", "farthest"):
             file[name] = np.array([row[name] for row in rows])
         vectors = [row["vector"] for row in rows]
         file["vector"] = np.array(vectors, dtype=float).reshape(len(rows), len(margins.states))
@@ -247,6 +247,8 @@ def read_margins(path: str | Path) -> Margins:
         columns |= {name: file[name].asstr()[()].tolist() for name in ("state", "ends")}
         if "vector" in file:  # older files have only pushes of one state
             columns["vector"] = file["vector"][()].tolist()
+        unknown = np.full(len(columns["sign"]), np.nan)
+        columns["farthest"] = (file["farthest"][()] if "farthest" in file else unknown).tolist()
         columns["border"] = [None if np.isnan(value) else value for value in file["border"][()].tolist()]
         rows = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
         return Margins(

@@ -122,6 +122,7 @@ def row_of(study: Study, ray: Ray) -> dict[str, Any]:
         "borders": list(found.borders),
         "ends": verdicts[min(lost)] if lost else SURVIVED,
         "simulations": found.simulations,
+        "farthest": found.farthest,
     }
 
 

@@ -34,7 +34,8 @@ class MarginsResult:
     ----------
     rows : list of dict
         A row for each ray: instant, fraction, state, sign, border (NaN where none was met), several, borders,
-        ends (the reason code of what is beyond the border), simulations.
+        ends (the reason code of what is beyond the border), simulations, farthest (the largest push that was
+        tried).
     notes : list of str
         What was left out, and why.
     files, figures : list of Path
@@ -195,14 +196,27 @@ def _notes_of(rows: Sequence[dict[str, Any]]) -> list[str]:
         )
     free = sum(row["border"] is None for row in rows)
     if free:
-        notes.append(f"On {free} of {len(rows)} rays no border was met as far as was looked (farthest).")
+        notes.append(f"On {free} of {len(rows)} rays no border was met as far as was looked: see farthest.")
     beyond = Counter(row["ends"] for row in rows)[BEYOND]
     if beyond:
-        notes.append(f"On {beyond} rays the border is where the push carries a guard past zero.")
+        notes.append(
+            f"On {beyond} of {len(rows)} rays the border is where the push carries a guard past zero."
+        )
     return notes
 
 
-COLUMNS = ("instant", "fraction", "state", "sign", "border", "several", "ends", "simulations", "borders")
+COLUMNS = (
+    "instant",
+    "fraction",
+    "state",
+    "sign",
+    "border",
+    "several",
+    "ends",
+    "simulations",
+    "farthest",
+    "borders",
+)
 
 
 def _write_table(rows: Sequence[dict[str, Any]], path: Path) -> None:

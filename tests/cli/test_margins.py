@@ -314,7 +314,7 @@ def test_what_is_unstable_is_refused(contwalk, folder):
         ("margins.directions={out: {x: 0}}", "directions.out", "pushes nothing"),
         ("margins.random={count: 0}", "random.count", "from 1 to 100000"),
         ("margins.basin={states: {x: [0, 1]}}", "basin.states", "names 1 states"),
-        ("margins.basin={states: {x: [1, 0], v: [0, 1]}}", "basin.states.x", "[1, 0]"),
+        ("margins.basin={states: {x: [1, 0], v: [0, 1]}}", "basin.states.x", "is [1, 0]. Give"),
         ("margins.basin={states: {x: [0, 1], y: [0, 1]}}", "basin.states.y", "not a state"),
         ("margins.basin={states: {x: [0, 1], v: [0, 1]}, instant: 5}", "basin.instant", "there are 5"),
         ("margins.modes=3", "modes", "there are 2 eigenvalues"),
@@ -344,6 +344,15 @@ def test_what_is_wrong_in_the_file_itself_is_told_with_its_line(contwalk, oscill
     done = contwalk("margins", "oscillator.yaml")
     assert done.code == 2
     assert f"oscillator.yaml, line {number}, key margins.of.from:" in " ".join(done.err.split())
+
+
+def test_how_far_was_looked_without_a_border_is_told(contwalk, folder):
+    """A ball in a well is not lost by pushes of v that do not carry it over the hill, 2^-1/2 high."""
+    prepared(folder, "well", start="right", free="tilt", range="[0, 0.1]", time=5)
+    done = contwalk("margins", "well.yaml", "--set", "margins.farthest=0.5", "--set", "margins.states=[v]")
+    rows = read_margins("well_margins.h5").rows
+    assert [(row["border"], row["farthest"]) for row in rows] == [(None, 0.5)] * 2
+    assert "none to 0.5" in done.out
 
 
 def test_a_push_that_is_hardly_forgotten_when_the_motion_survives_is_told(contwalk, oscillator):

@@ -10,7 +10,7 @@ from hybrid_runs import branch_of, machine
 from small_systems import small_system
 
 import contwalk as cw
-from contwalk.studies.margins.solution import solution_at
+from contwalk.studies.margins.solution import magnitudes_of, solution_at
 from contwalk.system import Transition
 
 ZETA = 0.2
@@ -70,3 +70,12 @@ def test_an_orbit_told_at_a_section_begins_there(way):
     for instant in solution_at(system, branch, 0, (0.0, 0.25)).instants:
         angle = begin + instant.fraction * 2.0 * math.pi
         np.testing.assert_allclose(instant.state, [math.cos(angle), math.sin(angle)], atol=1e-7)
+
+
+def test_a_state_that_is_zero_but_for_rounding_has_the_magnitude_one():
+    """Its own would be 1e-18, and no push would be looked for beyond 1e-15."""
+    nan = float("nan")
+    states = np.array([[3.0, 1e-18, 0.0, 5e-12, 0.2, nan], [1.0, -1e-18, 0.0, 5e-12, 0.2, nan]])
+    np.testing.assert_allclose(
+        magnitudes_of([None, None, None, None, 7.0, None], states), [1.0, 1.0, 1.0, 5e-12, 7.0, 1.0]
+    )

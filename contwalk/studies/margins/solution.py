@@ -70,7 +70,8 @@ class Solution:
         The transitions of a period that are hard, in their order; those that follow each other within
         `TOGETHER` of the period in one group, as their order may change without the motion being another.
     magnitudes : ndarray, shape (n,)
-        Half the range of each state over the solution, or what the plugin declares, or else 1.
+        Half the range of each state over the solution, or what the plugin declares; 1 of a state that is zero
+        all over it.
     course : ndarray, shape (k, n)
         States all over it, in their order; NaN where a state does not exist.
     neutral : tuple of str
@@ -86,6 +87,8 @@ class Solution:
     neutral: tuple[str, ...] = ()
 
 
+# A state that is smaller all over the solution, in parts of the largest one, is zero but for rounding.
+ZERO = float(np.finfo(float).eps)
 # Events that follow each other within this part of the period happen together.
 TOGETHER = 0.02
 
@@ -266,18 +269,24 @@ def _solution(
     states: np.ndarray,
     problem: Any,
 ) -> Solution:
+    magnitudes = magnitudes_of([state.scale for state in system.states], states)
+    neutral = tuple(system.state_names[i] for i in _neutral(system, problem, instants[0].state))
+    return Solution(values, float(period), tuple(instants), cycle, magnitudes, states, neutral)
+
+
+def magnitudes_of(declared: Sequence[float | None], states: np.ndarray) -> np.ndarray:
+    """Magnitudes of states by what is declared of them, and by their values over a solution, shape (k, n)."""
     low, high = _bounds(states)
     half = 0.5 * (high - low)
     sizes = np.where(np.isfinite(half) & (half > 1e-9 * np.abs(high)), half, np.abs(high))
-    declared = [state.scale for state in system.states]
-    magnitudes = np.array(
+    sizes = np.where(np.isfinite(sizes), sizes, 0.0)
+    zero = sizes <= ZERO * sizes.max(initial=0.0)
+    return np.array(
         [
-            s if s is not None else v if np.isfinite(v) and v > 0.0 else 1.0
-            for s, v in zip(declared, sizes, strict=True)
+            given if given is not None else 1.0 if none else size
+            for given, size, none in zip(declared, sizes, zero, strict=True)
         ]
     )
-    neutral = tuple(system.state_names[i] for i in _neutral(system, problem, instants[0].state))
-    return Solution(values, float(period), tuple(instants), cycle, magnitudes, states, neutral)
 
 
 def _neutral(system: System, problem: Any, state: np.ndarray) -> tuple[int, ...]:

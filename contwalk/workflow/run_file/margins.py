@@ -143,7 +143,7 @@ def _check_basin(problems: Problems, system: System, wanted: Margins) -> None:
         elif set(low.names) | set(high.names):
             problems.add((*key, "states", name), "names a parameter.", "Give numbers, lowest first.")
         elif not low.value({}) < high.value({}):
-            problems.add((*key, "states", name), f"is [{low}, {high}].", "Give [lowest, highest].")
+            problems.add((*key, "states", name), f"is [{low.text}, {high.text}].", "Give [lowest, highest].")
     count = wanted.instants if isinstance(wanted.instants, int) else len(wanted.instants)
     if basin.instant >= count:
         problems.add(
