@@ -2,7 +2,8 @@
 
 Where no orbit of another itinerary passes through the limit itself the motion beyond still tells how it goes
 on. Where an event is touched that leads into another mode, orbits that visit it may lie on this side of the
-limit, as where an unstable orbit meets one that sticks: a motion out of that mode tells.
+limit, as where an unstable orbit meets one that sticks: a motion out of that mode tells. Where an event that
+jumps arrives with no rate the motion beyond may settle on an orbit far from this one, of the same itinerary.
 """
 
 from __future__ import annotations
@@ -54,6 +55,21 @@ class Begin:
     event: str
 
 
+@dataclass(frozen=True)
+class Trial:
+    """Where a motion is looked for: from a guess a step in the metric along a way, shape (N + 1,).
+
+    `words` tell it, `begin` is where the motion begins if that is not the guess's start. `settles`: it is
+    simulated until it settles: right beside the limit the branch has no orbits at that parameter.
+    """
+
+    words: str
+    way: np.ndarray
+    step: float
+    begin: Begin | None = None
+    settles: bool = False
+
+
 def seeds(
     problem: DiscretizedOrbit, point: SpecialPoint, visited: Begin | None = None
 ) -> tuple[Sequence[Seed], str]:
@@ -66,34 +82,74 @@ def seeds(
     there = discretized(problem, z)
     weights = filled_magnitudes(there, z)
     told: list[str] = []
-    for words, way, step, begin in _trials(there, z, outward, visited):
-        guess = z + step * way / float(np.linalg.norm(way / weights))
+    for trial in _trials(there, z, outward, weights, visited):
+        guess = z + trial.step * trial.way / float(np.linalg.norm(trial.way / weights))
         try:
-            seed = _simulated(there, guess, way, point.label, begin)
+            seed = _simulated(there, guess, trial, point.label)
         except (ContwalkError, np.linalg.LinAlgError) as error:
-            told += [first_sentence(str(error))] if begin is None else []
+            told += [first_sentence(str(error))] if trial.begin is None else []
             continue
-        found = folded(seed.problem.itinerary.signature(seed.problem.system)) or "no events"  # type: ignore[attr-defined]
-        return (seed,), f"{words} the signature [{found}]: a branch of its own."
+        found = seed.problem
+        assert isinstance(found, DiscretizedOrbit)
+        own = "" if trial.settles else ": a branch of its own"  # or, beyond a fold, of the one that ends
+        signature = folded(found.itinerary.signature(found.system)) or "no events"
+        return (seed,), f"{trial.words} [{signature}]{_lasting(there, z, seed)}{own}."
     return (), f"Beyond it: {told_once(told)}."
 
 
+def _lasting(problem: DiscretizedOrbit, z: np.ndarray, seed: Seed) -> str:
+    """What tells an orbit from the one at the limit, z of shape (N + 1,), where their signatures do not."""
+    other = seed.problem
+    assert isinstance(other, DiscretizedOrbit)
+    if problem.itinerary.signature(problem.system) != other.itinerary.signature(other.system):
+        return ""
+    return f", with the period {other.duration(seed.z):.10g} and not {problem.duration(z):.10g}"
+
+
 def _trials(
-    problem: DiscretizedOrbit, z: np.ndarray, outward: np.ndarray, visited: Begin | None
-) -> Iterator[tuple[str, np.ndarray, float, Begin | None]]:
-    """What is tried: words for what is found, the way along the branch, how far, where a motion begins."""
+    problem: DiscretizedOrbit,
+    z: np.ndarray,
+    outward: np.ndarray,
+    weights: np.ndarray,
+    visited: Begin | None,
+) -> Iterator[Trial]:
+    """What is tried, the way along the branch first. All have the shape (N + 1,)."""
     for step in STEPS:
-        yield "A little beyond, the motion has", outward, step, None
+        yield Trial("A little beyond, the motion has the signature", outward, step)
+    across = _across(problem, z, outward, weights)
+    if across is not None:
+        words = f"A little beyond in '{problem.free}', the motion settles on an orbit of signature"
+        for step in STEPS[:2]:
+            yield Trial(words, across, step, settles=True)
     if visited is None:
         return
     flow = hybrid_machine(problem.system, problem.values_of(z)).mode(visited.mode)
     own = flow.states
     rate = flow.field.along(np.array([visited.time]), visited.x[own][None], flow.c)[0]
-    words = f"A little before, a motion that visits mode '{visited.mode}' has"
+    words = f"A little before, a motion that visits mode '{visited.mode}' has the signature"
     for step, share in itertools.product(STEPS[:2], VISITS):
         lasts, x = share * float(np.sqrt(step)) * problem.duration(z), visited.x.copy()
         x[own] -= lasts * rate
-        yield words, -outward, step, replace(visited, time=visited.time - lasts, x=x)
+        yield Trial(words, -outward, step, replace(visited, time=visited.time - lasts, x=x))
+
+
+def _across(
+    problem: DiscretizedOrbit, z: np.ndarray, outward: np.ndarray, weights: np.ndarray
+) -> np.ndarray | None:
+    """The way of the parameter alone away from a branch's orbits before its limit, at which it may turn.
+
+    None if those are not found.
+
+    All have the shape (N + 1,).
+    """
+    direction = outward / float(np.linalg.norm(outward / weights))
+    try:
+        before = newton_on(problem, z - STEPS[0] * direction, weights, direction / weights**2)
+    except (ContwalkError, np.linalg.LinAlgError):
+        return None
+    across = np.zeros(len(z))
+    across[-1] = z[-1] - before[-1]
+    return across if across[-1] else None
 
 
 def _beginning(problem: DiscretizedOrbit, guess: np.ndarray) -> Begin:
@@ -113,9 +169,7 @@ def _beginning(problem: DiscretizedOrbit, guess: np.ndarray) -> Begin:
     return Begin(time, x, itinerary.legs[0].mode, event)
 
 
-def _simulated(
-    problem: DiscretizedOrbit, guess: np.ndarray, way: np.ndarray, label: str, begin: Begin | None
-) -> Seed:
+def _simulated(problem: DiscretizedOrbit, guess: np.ndarray, trial: Trial, label: str) -> Seed:
     """The orbit that a simulation goes round in at a guess's parameters, from its start or from another one.
 
     Raises
@@ -124,20 +178,25 @@ def _simulated(
         If it does not come back, or its orbit is not the machine's.
     """
     values, itinerary = problem.values_of(guess), problem.itinerary
-    begin = begin or _beginning(problem, guess)
+    begin = trial.begin or _beginning(problem, guess)
     recurrence = recurrence_from(
         problem.system,
         values,
         begin.x,
         begin.mode,
-        until=None,
+        until="settled" if trial.settles else None,
         time=begin.time,
         after=begin.event or None,
         least=SHORTEST * problem.duration(guess),
         longest=LONGEST * problem.duration(guess),
     )
-    lasted = sum(stretch.duration for stretch in recurrence.stretches)
-    if _alike(itinerary, recurrence.itinerary, round(lasted / problem.duration(guess))):
+    lasted = sum(stretch.duration for stretch in recurrence.stretches) / problem.duration(guess)
+    times, room = round(lasted), float(np.sqrt(trial.step))  # what begins at no rate is as far as the root
+    if (
+        not trial.settles
+        and abs(lasted - times) < room * times
+        and _alike(itinerary, recurrence.itinerary, times)
+    ):
         raise ContwalkError("the motion has the same signature still")
     line = replace(problem.line, parameters=values)
     rough, start = orbit_of(
@@ -152,7 +211,8 @@ def _simulated(
     shorter, part = least(there, start)
     if shorter is not there:
         there, start, weights = shorter, part, filled_magnitudes(shorter, part)
-        if there.itinerary in [itinerary.rotated(problem.system, k) for k in range(len(itinerary))]:
+        alike = abs(there.duration(start) / problem.duration(guess) - 1.0) < room and not trial.settles
+        if alike and there.itinerary in [itinerary.rotated(problem.system, k) for k in range(len(itinerary))]:
             raise ContwalkError("the motion has the same signature still, run through more than once")
         normal = np.zeros(len(start))
         normal[-1] = 1.0 / weights[-1]
@@ -163,7 +223,7 @@ def _simulated(
         raise ContwalkError(f"the orbit that a simulation leads to violates '{lost[0]}'")
     weights = filled_magnitudes(there, start)
     tangent = kernel_direction(there.linearize(start).jacobian, weights)
-    tangent = tangent * (np.sign(tangent[-1]) * np.sign(way[-1]) or 1.0)
+    tangent = tangent * (np.sign(tangent[-1]) * np.sign(trial.way[-1]) or 1.0)
     walking = there.adapted_to(start, weights)
     return Seed(label, start, tangent, amplitude(tangent), walking)
 

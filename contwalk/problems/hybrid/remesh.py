@@ -82,18 +82,21 @@ def adapted(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
     """The problem on steps made for a solution, and the solution's sample on it.
 
     Where a leg passes a saddle, what was a solution on the steps of the last orbit may be none on these:
-    it is then corrected.
+    it is then corrected. At a branch point it stays on its own steps, where it is one: the equations tell
+    neither where the point is nor which way the branch goes.
     """
-    room = 2 * orbit.cuts <= cutting.room(orbit)
+    room, born = 2 * orbit.cuts <= cutting.room(orbit), sample.orientation == 0.0
     try:
         problem = orbit.adapted_to(sample.z, sample.weights)
     except NotFinite:  # on other steps the leg's own start no longer leads to its end
+        if born:
+            return orbit, sample
         found = cutting.recut(orbit, sample) if room else None
         if found is None:
             raise
         return found
     if problem.linearize(sample.z).excess_in(sample.weights) > MISSED:
-        return _corrected(problem, sample)
+        return (orbit, sample) if born else _corrected(problem, sample)
     if room and cutting.stretched(problem, sample.z):
         found = cutting.recut(problem, sample)
         if found is not None:
@@ -101,7 +104,7 @@ def adapted(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
     tangent = problem.into_section(sample.z, sample.tangent)
     linearization = problem.linearize(sample.z)
     again = problem.examine(sample.z, tangent, sample.weights, linearization, sample.unstable, sample)
-    orientation = 0.0 if sample.orientation == 0.0 else again.orientation
+    orientation = 0.0 if born else again.orientation
     return problem, replace(again, orientation=orientation)
 
 
