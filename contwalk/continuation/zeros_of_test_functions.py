@@ -51,7 +51,7 @@ def _of_kind(segment: Segment, kind: PointType) -> list[Found]:
         known[extremum] = least
     points = []
     for (low, first), (high, last) in pairwise(sorted(known.items())):
-        if not (first * last < 0.0 or (last == 0.0 and first != 0.0)):
+        if not (first * last < 0.0 or (last == 0.0 and abs(first) > 0.0)):
             continue
         if last != 0.0 and _is_pole(value, (low, high), (first, last)):
             continue

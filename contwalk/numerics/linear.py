@@ -108,7 +108,8 @@ class Factored(Factorization):
         """What errors `levels` (m,) of the first equations do to the solution in the metric (n,), at most."""
         count = len(levels)
         inverse = np.linalg.inv(self._scaled)[:, :count]
-        return float(np.max((np.abs(inverse) @ (self.rows[:count] * levels)) * (self.columns / weights)))
+        with np.errstate(over="ignore"):  # as good as singular: nothing is known
+            return float(np.max((np.abs(inverse) @ (self.rows[:count] * levels)) * (self.columns / weights)))
 
 
 class LeastSquares:

@@ -20,6 +20,9 @@ from contwalk.numerics.linear import Factored, LeastSquares
 DIGITS = 40
 # A refined value this small against its typical magnitude is zero.
 NOTHING = 1e-25
+# At a root of multiplicity m a correction by Newton's method is an m-th part of the way: where refinement
+# does not converge, errors are so many times the largest correction.
+MULTIPLE = 5.0
 EPSILON = float(np.finfo(float).eps)
 
 
@@ -54,7 +57,8 @@ class Solution:
     errors : ndarray
         Estimated absolute error of each entry of `values`.
     refined : bool
-        Whether refinement converged; if not, `errors` are those of the float computation.
+        Whether refinement converged; if not, `values` are those of Newton's method in floats, and `errors`
+        what the corrections that did not converge tell of them: infinite where there are none.
     """
 
     values: np.ndarray
@@ -97,9 +101,9 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
 
     with mpmath.workdps(DIGITS):
         exact = [mpmath.mpf(value) for value in u]
+        sizes: list[np.ndarray] = []
         try:
             inverse = system.factored(u)
-            sizes: list[np.ndarray] = []
             for _ in range(passes):
                 residual = system.exactly(exact)
                 correction = _solve_scaled(inverse, residual)
@@ -111,7 +115,7 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
                 if len(sizes) > 3 and _norm(sizes[-1], scale) > 0.5 * _norm(sizes[-2], scale):
                     break
         except (np.linalg.LinAlgError, ArithmeticError, ValueError):
-            return Solution(u, exact, np.full(len(u), np.inf), refined=False)
+            return _unrefined(u, sizes)
         values = np.array([float(a) for a in exact])
         rounding = np.array([float(abs(a - b)) for a, b in zip(exact, values, strict=True)])
     # What remains of an exact zero is far below anything that the equations can tell from it.
@@ -120,10 +124,18 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
     values[nothing] = 0.0
     last = sizes[-1]
     converged = bool(np.all(last <= EPSILON * scale)) or _norm(last, scale) <= 1e-3 * _norm(sizes[0], scale)
+    if not converged:
+        return _unrefined(u, sizes)
     # A float cannot be nearer to the truth than half an ulp; the estimate never claims to be.
     floor = 10.0 ** (2 - DIGITS) * system.scale  # the working precision itself
     errors = np.maximum(rounding + 2.0 * last + floor, EPSILON * np.abs(values))
-    return Solution(values, exact, errors, converged)
+    return Solution(values, exact, errors, refined=True)
+
+
+def _unrefined(u: np.ndarray, sizes: Sequence[np.ndarray]) -> Solution:
+    """The float solution U, shape (n,), where corrections of these sizes, (n,) each, did not converge."""
+    largest = np.max(sizes, axis=0) if len(sizes) else np.full(len(u), np.inf)
+    return Solution(u, [], np.maximum(MULTIPLE * largest, EPSILON * np.abs(u)), refined=False)
 
 
 def _norm(sizes: np.ndarray, scale: np.ndarray) -> float:

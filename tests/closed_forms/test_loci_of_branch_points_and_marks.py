@@ -25,6 +25,12 @@ def transcritical(t, x, p, dx):
     dx[0] = x[0] * (p.a - np.sin(p.b) - x[0])
 
 
+def circle(t, x, p, dx):
+    """Pitchforks where a^2 + b^2 = 1, one branch of which moves along u: parallel to either axis twice."""
+    dx[0] = x[0] * (1.0 - p.a**2 - p.b**2 + p.c * x[0] - x[0] ** 2)
+    dx[1] = p.a - x[1] + 0.3 * x[0]
+
+
 def unfolded(t, x, p, dx):
     """A branch point where b = 0 only; it comes apart with the first power of b."""
     dx[0] = p.b + x[0] * (p.a - x[0])
@@ -76,6 +82,14 @@ def test_branch_points_that_persist(field, states, place) -> None:
     assert sorted(found["b"][[0, -1]]) == pytest.approx([-1.0, 1.2], abs=1e-14)
     assert [p.label for p in found.special_points] == ["EP", "EP"]
     assert found.outcome.reason == "bound"
+
+
+def test_a_circle_of_branch_points() -> None:
+    ranges = {"a": (-1.5, 1.5), "b": (-1.5, 1.5)}
+    found = curve(circle, "xu", {"a": -1.5, "b": 0.2, "c": 0.4}, "a", [0.0, -1.5], ranges, "BP1")
+    np.testing.assert_allclose(found["a"] ** 2 + found["b"] ** 2, 1.0, atol=1e-13)
+    assert found.outcome.reason == "closed"
+    assert [p.label for p in found.special_points] == ["EP"]
 
 
 @pytest.mark.parametrize("field", [unfolded, gently_unfolded])

@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from hybrid_runs import branch_of
+from loci_of_orbits import FINE, WALKED, map_as_machine
 from small_systems import small_problem
 
 import contwalk as cw
@@ -75,6 +77,28 @@ def test_folds_that_touch_transcritical_points() -> None:
     assert (point.label, point.kind) == ("CP", "branch point")
     assert_at(point, m=0.0, a=0.0)
     assert point.coefficients["c"] == pytest.approx(-1.0, rel=1e-12)
+
+
+def flipping(x, p):
+    """On the face y = 0 doublings where mu = 0, with the cubic coefficient 0.35 all along."""
+    return -(1.0 + p.mu) * x[0] + 0.5 * x[0] ** 2 + 0.1 * x[0] ** 3, x[1] * (1.0 + p.nu - x[1] + 0.3 * x[0])
+
+
+def turning(x, p):
+    """On the face z = 0 tori where mu = 0, with the cubic coefficient minus one all along."""
+    g = 1.0 + p.mu - x[0] ** 2 - x[1] ** 2
+    cos, sin = math.cos(1.0), math.sin(1.0)
+    turned = g * (cos * x[0] - sin * x[1]), g * (sin * x[0] + cos * x[1])
+    return *turned, x[2] * (1.0 + p.nu - x[2] + 0.3 * x[0])
+
+
+@pytest.mark.parametrize(("image", "states", "point"), [(flipping, "xy", "PD1"), (turning, "xyz", "NS1")])
+def test_no_cubic_coefficient_vanishes_where_a_multiplier_of_a_face_passes_one(image, states, point) -> None:
+    system = map_as_machine(image, states, {"mu": -0.4, "nu": -0.23})
+    branch = branch_of(system, "mu", (-0.5, 0.3), [0.0] * len(states))
+    found = cw.continue_locus(system, branch, point, {"mu": (-0.5, 0.5), "nu": (-0.3, 0.2)}, **FINE)
+    assert np.max(np.abs(found["mu"])) < WALKED
+    assert not {p.label for p in found.special_points} & {"GPD", "CH"}
 
 
 def test_a_curve_along_which_the_first_parameter_levels_off_ends_at_the_range_of_the_second() -> None:

@@ -60,6 +60,16 @@ def test_branch_points_in_an_invariant_plane() -> None:
     assert curve["nu"].max() == 0.6
 
 
+def test_a_circle_of_branch_points() -> None:
+    """Parallel to the axis of the first parameter where lam = 0, and to that of the second where nu = 0."""
+    system = beside_a_cycle(lambda z, p: z * (1.0 - p.lam**2 - p.nu**2 - z**2))
+    branch = cw.continue_branch(orbits(system, "lam"), [1.0, 0.0, 0.0], (-0.4, 1.1), period=np.pi)
+    curve = cw.continue_locus(system, branch, "BP1", {"lam": (-1.5, 1.5), "nu": (-1.5, 1.5)}, **FINE)
+    assert curve.outcome.reason == "closed"
+    assert labels(curve) == []
+    assert largest(curve["lam"] ** 2 + curve["nu"] ** 2 - 1.0) < WALKED
+
+
 def test_transcritical_points_of_a_map() -> None:
     """Of x -> x + x (lam - nu^2 - x) where lam = nu^2."""
     system = map_as_machine(

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from contwalk.numerics.refine import DefiningSystem, newton, refine
+from contwalk.problems.equilibrium.defining_systems import solve
+from contwalk.problems.located import Located
 
 
 def root_of_two(offset: float = 0.0, **rest) -> DefiningSystem:
@@ -115,3 +117,34 @@ def test_a_deficient_system_is_solved_in_the_least_squares_sense():
     )
     found = newton(system, np.array([2.0, 1.0]))
     assert found == pytest.approx([1.0, 0.0], abs=1e-15)
+
+
+def multiple_root(order: int, exactly=None) -> DefiningSystem:
+    """(u - 1/3)^order = 0, summed up from its powers, as a residual is: rounding hides the root."""
+    powers = [math.comb(order, k) * (-1.0 / 3.0) ** (order - k) for k in range(order + 1)]
+    third = mpmath.mpf(1.0 / 3.0)
+    return DefiningSystem(
+        np.ones(1),
+        lambda u: np.array([np.polyval(powers[::-1], u[0])]),
+        lambda u: np.array([[np.polyval(np.polyder(powers[::-1]), u[0])]]),
+        exactly or (lambda u: [(u[0] - third) ** order]),
+    )
+
+
+def test_a_double_root_is_not_claimed_to_be_known_better_than_it_is():
+    found = solve(multiple_root(2), np.array([0.5]), lambda s: Located(s.values, float(s.errors[0])))
+    assert found is not None
+    settled = found.settled()
+    assert settled is not None
+    off = abs(float(settled.z[0]) - 1.0 / 3.0)
+    assert off <= settled.error < 1e-3
+    assert off > 1e-10  # as if it were a simple one
+
+
+def test_what_cannot_be_refined_at_all_is_no_point():
+    def nothing(u):
+        raise ZeroDivisionError
+
+    found = solve(multiple_root(1, nothing), np.array([0.5]), lambda s: Located(s.values, float(s.errors[0])))
+    assert found is not None
+    assert found.settled() is None

@@ -30,6 +30,8 @@ from contwalk.problems.problem import Located, Sample
 TURNING = 1e-2
 # Eigenvalues this small against what they become in a unit of arclength have vanished.
 VANISHED = 1e-12
+# What refinement may move Newton's solution by, in typical magnitudes.
+LEFT = 1e-3
 
 
 def solve(
@@ -47,18 +49,17 @@ def solve(
     found = newton(system, start)
     if found is None:
         return None
-    rough = Solution(found, [], np.maximum(np.abs(found), system.scale) * 1e-10, refined=False)
-    located = described(rough)
+    # What is not refined has no error: Newton's last correction tells nothing where equations are singular.
+    located = described(Solution(found, [], np.full(len(found), np.inf), refined=False))
     if located is None:
         return None
 
     def refined() -> Located | None:
         solution = refine(system, found)
-        if not solution.refined:
-            return located
-        moved = np.abs(solution.values - found) / np.maximum(np.abs(found), system.scale)
-        # Refinement that ends elsewhere has left the neighbourhood of Newton's solution.
-        return None if np.max(moved[:-1] if unfolds else moved) > 1e-3 else described(solution)
+        moved = np.abs(solution.values - found) if solution.refined else solution.errors
+        moved = moved / np.maximum(np.abs(found), system.scale)
+        # Refinement that ends elsewhere, or nowhere near, has left the neighbourhood of Newton's solution.
+        return None if np.max(moved[:-1] if unfolds else moved) > LEFT else described(solution)
 
     return replace(located, refine=refined)
 

@@ -4,7 +4,7 @@
 |---|---|---|
 | LP curve | | g(z, 0) = 0 |
 | HB curve | kappa | alpha = beta = 0 |
-| BP curve | mu | both values of DF by states and first parameter = 0, and F + mu b for F |
+| BP curve | mu | both values of DF by states and one parameter = 0, and F + mu b for F |
 | UZ curve | | observable, or first parameter, at its value; or an eigenvalue of F_u - sigma E as above |
 | cusp | | g(z, 0) = 0, p.B(q, q) = 0 |
 | Bogdanov-Takens | | alpha = beta = 0 for kappa = 0 |
@@ -25,10 +25,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from contwalk.numerics.linear import EPSILON, balanced
+from contwalk.numerics.linear import EPSILON
 from contwalk.numerics.refine import DefiningSystem
 from contwalk.problems.locus import bordered
-from contwalk.problems.locus.bordered import Borders, Critical, CrossingBorders, Deficient
+from contwalk.problems.locus.bordered import Borders, Critical
 from contwalk.problems.locus.plane import ExactPlace, FloatPlace, Place, Plane
 
 # How far along the curve a function without derivatives of its own is looked at for its slope, in the metric.
@@ -128,64 +128,6 @@ class Pair(_Eigenvalue):
     def told(self, place: Place, own: Any) -> Critical:
         """alpha and beta for kappa."""
         return bordered.pair_condition(place, self.borders, own, self.sigma)
-
-
-@dataclass(frozen=True)
-class BranchPoint:
-    """Branches along the first parameter cross: DF by states and that parameter loses rank (Moore 1980).
-
-    F + mu b = 0 with b, the column of its borders: mu is zero where the branch point is one.
-    """
-
-    borders: CrossingBorders
-    unknowns: int = 1
-
-    @property
-    def unfolding(self) -> np.ndarray:
-        """b, shape (N,)."""
-        return self.borders.column
-
-    def told(self, place: Place, own: Any) -> Deficient:
-        """Both values of DF by states and the first parameter."""
-        return bordered.deficient(_by_first(place.jacobian), self.borders, place.solver)
-
-    def gradients(self, place: Place, told: Deficient, own: Any) -> np.ndarray:
-        """Derivatives of both values by z; mu has no part in them; shape (2, N + 3)."""
-        slopes = [-(told.left @ place.slopes(along_first(q))) for q in told.right]
-        return np.column_stack([np.array(slopes), np.zeros(2)])
-
-    def levels(self, place: FloatPlace, told: Deficient, own: float) -> np.ndarray:
-        """Rounding of both values, shape (2,)."""
-        last = EPSILON * np.abs(place.jacobian[:, -1:])
-        noise = np.hstack([place.noise, last])
-        return np.array([np.abs(told.left) @ noise @ np.abs(q) for q in told.right])
-
-
-def _by_first(jacobian: np.ndarray) -> np.ndarray:
-    """DF by states, drifts and the first parameter, shape (N, N + 1), from DF, (N, N + 2)."""
-    return np.delete(jacobian, -2, axis=1)
-
-
-def along_first(q: np.ndarray) -> np.ndarray:
-    """A direction of states, drifts and the first parameter, shape (N + 1,), as one of z, (N + 2,)."""
-    zero = np.zeros(1, dtype=q.dtype)
-    return np.concatenate([q[:-1], zero, q[-1:]])
-
-
-def branch_point_borders(plane: Plane, z: np.ndarray, units: np.ndarray | None = None) -> CrossingBorders:
-    """Borders for branch points along the first parameter near z, shape (N + 2,).
-
-    Their vectors are taken in balanced units, or in given ones of the unknowns and that parameter, shape
-    (N + 1,): near an invariant face balance is lost.
-    """
-    jacobian = _by_first(plane.jacobian(z))
-    if units is not None:
-        return bordered.crossing_borders(jacobian, units[:-1], units)
-    scaled, d = balanced(jacobian[:, :-1])
-    last = float(np.abs(jacobian[:, -1] / d).max())
-    size = float(np.abs(scaled).max())
-    weight = size / last if last > 0.0 and size > 0.0 else 1.0
-    return bordered.crossing_borders(jacobian, d, np.append(d, weight))
 
 
 @dataclass(frozen=True)

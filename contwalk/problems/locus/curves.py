@@ -14,14 +14,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from contwalk.problems.locus.bordered import pair_borders, zero_borders
+from contwalk.problems.locus.branch_points import branch_point
 from contwalk.problems.locus.conditions import (
-    BranchPoint,
     Condition,
     Level,
     Pair,
     ParameterAt,
     Zero,
-    branch_point_borders,
 )
 from contwalk.problems.locus.plane import Plane
 
@@ -109,8 +108,8 @@ class BranchPoints(Curve):
     own = 1
 
     def condition(self, plane: Plane, z: np.ndarray, own: float) -> Condition:
-        """DF by states and first parameter loses rank, with borders for z, shape (N + 2,)."""
-        return BranchPoint(branch_point_borders(plane, z))
+        """DF by states and a parameter loses rank, with borders for z, shape (N + 2,)."""
+        return branch_point(plane, z)
 
     def held(self, own: float) -> np.ndarray:
         """Zero, shape (1,)."""

@@ -6,7 +6,7 @@
 | PD | L(-1) is singular | |
 | NS | L(mu) is singular for mu and 1/mu | k = (mu + 1/mu) / 2 |
 | GR, OC, AZ | the equations of the limit | as it has |
-| BP | [F_u F_first] has deficient rank | mu, which unfolds F |
+| BP | [F_u F_parameter] has deficient rank, for one parameter | mu, which unfolds F |
 | BP where a symmetry is lost | L(-1) is singular | |
 | UZ | an observable, or a parameter, is at its value | |
 
@@ -20,6 +20,7 @@ resonances 1:1 and 1:2), and beyond, where they are real (neutral saddles; Govae
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -41,11 +42,22 @@ class At:
         Unknowns of an orbit with the first parameter, and typical magnitudes.
     second : float
         The typical magnitude of the second parameter.
+    plane : OrbitPlane, optional
+        The orbits at all values of both parameters, for conditions that ask for both lines.
+    value : float, optional
+        The second parameter itself.
     """
 
     z: np.ndarray
     weights: np.ndarray
     second: float
+    plane: Any = None
+    value: float = 0.0
+
+    @property
+    def place(self) -> np.ndarray:
+        """(u, second, first), shape (N + 2,)."""
+        return np.concatenate([self.z[:-1], [self.value], self.z[-1:]])
 
     @property
     def in_plane(self) -> np.ndarray:

@@ -76,8 +76,9 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         z and weights have the shape (N + k + 2,).
         """
         there, own = self.plane.first(z)
+        place = At(own, self.of_orbit(weights), float(weights[-2]), self.plane, float(z[-2]))
         return Held(
-            curve.system(there, At(own, self.of_orbit(weights), float(weights[-2])), self.further(z)),
+            curve.system(there, place, self.further(z)),
             np.arange(self.plane.size, self.plane.size + curve.further),
         )
 

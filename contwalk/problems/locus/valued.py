@@ -56,12 +56,12 @@ class Valued:
         place = np.concatenate([z[:n], z[-2:]])
         residual, jacobian = in_plane(plane, place)
         values = self.values(plane, place)
-        slopes = self._differenced(plane, place, jacobian) if self.slopes is None else self.slopes
+        slopes = self.differenced(plane, place, jacobian) if self.slopes is None else self.slopes
         by_own = np.vstack([self.unfolding, np.zeros((len(values), len(own)))])
         moved = residual + self.unfolding @ own
         return np.concatenate([moved, values]), np.vstack([jacobian, slopes]), by_own
 
-    def _differenced(self, plane: Any, place: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+    def differenced(self, plane: Any, place: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
         """Derivatives by (u, second, first), shape (m, N + 2), zero across the solutions of F + b mu = 0."""
         n, scale = plane.size, self.weights
         whole = np.hstack([jacobian * scale, self.unfolding])

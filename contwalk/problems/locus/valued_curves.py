@@ -13,8 +13,14 @@ from contwalk.errors import StartError
 from contwalk.problems.locus.flips import Flips
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curve import OrbitCurve
-from contwalk.problems.locus.valued import Valued, Values
+from contwalk.problems.locus.valued import Valued, Values, in_plane
 from contwalk.quantities import PERIOD
+
+# A curve of branch points is parallel to a parameter's axis where one of the slopes of its condition is less
+# than this part of the other one.
+ASLANT = 0.1
+# What is left of the condition along the other parameter, against its terms, where branch points persist.
+PERSISTS = 1e-4
 
 
 class NamedCurve(OrbitCurve):
@@ -46,25 +52,18 @@ class BranchPoints(NamedCurve):
     unfolds = True
 
     def system(self, orbit: Any, near: At, further: np.ndarray) -> Valued:
-        """[F_u F_first] has deficient rank, and F + mu b stands for F.
+        """[F_u F_parameter] has deficient rank, and F + mu b stands for F.
 
+        It is singular where the curve is parallel to that parameter's axis: then it is the second one.
         `further` has the shape (1,).
         """
-        rows, size = orbit.equation_scales, orbit.size
-        left, _, right = np.linalg.svd(orbit.jacobian(near.z) / rows[:, None] * near.weights)
-        b, c = left[:, -1], right[-2:]
-
-        def values(plane: Any, place: np.ndarray) -> np.ndarray:
-            there, own = plane.first(place)
-            whole = np.zeros((size + 2, size + 2))
-            whole[:size, : size + 1] = there.linearize(own).jacobian / rows[:, None] * near.weights
-            whole[:size, -1], whole[size:, : size + 1] = b, c
-            corner: np.ndarray = there.factored(whole, np.ones(size + 2)).solve_adjoint(
-                np.eye(size + 2)[:, -1]
-            )
-            return corner[size:]
-
-        return _valued(values, near, np.zeros(1), (b * rows)[:, None])
+        by_first = _crossing(near, 0)
+        slopes = _sizes(by_first, near)
+        if slopes[-1] >= ASLANT * slopes[0]:
+            return by_first
+        by_second = _crossing(near, 1)
+        persists = float(np.max(np.abs(by_second.values(near.plane, near.place)))) < PERSISTS
+        return by_second if persists and _sizes(by_second, near)[-1] > slopes[-1] else by_first
 
     def critical(self, further: np.ndarray) -> np.ndarray:
         """One.
@@ -122,6 +121,37 @@ class ParameterAt(NamedCurve):
 KINDS: dict[str, Any] = {
     curve.name: curve for curve in (SymmetryBreakings, BranchPoints, ObservableAt, ParameterAt)
 }
+
+
+def _crossing(near: At, which: int) -> Valued:
+    """Branch points along the first parameter, 0, or along the second one, 1, near a place."""
+    size, place = len(near.z) - 1, near.place
+
+    def jacobian(plane: Any, at: np.ndarray) -> tuple[Any, np.ndarray]:
+        there = plane.on_lines(at)[which]
+        return there, there.linearize(np.append(at[:size], at[-1 - which])).jacobian
+
+    there, matrix = jacobian(near.plane, place)
+    rows, weights = there.equation_scales, np.append(near.weights[:-1], near.in_plane[-1 - which])
+    left, _, right = np.linalg.svd(matrix / rows[:, None] * weights)
+    b, c = left[:, -1], right[-2:]
+
+    def values(plane: Any, at: np.ndarray) -> np.ndarray:
+        there, matrix = jacobian(plane, at)
+        whole = np.zeros((size + 2, size + 2))
+        whole[:size, : size + 1] = matrix / rows[:, None] * weights
+        whole[:size, -1], whole[size:, : size + 1] = b, c
+        corner: np.ndarray = there.factored(whole, np.ones(size + 2)).solve_adjoint(np.eye(size + 2)[:, -1])
+        return corner[size:]
+
+    return _valued(values, near, np.zeros(1), (b * rows)[:, None])
+
+
+def _sizes(condition: Valued, near: At) -> np.ndarray:
+    """How fast the values of a condition change along the solutions of F = 0: singular values, shape (2,)."""
+    place = near.place
+    slopes = condition.differenced(near.plane, place, in_plane(near.plane, place)[1])
+    return np.linalg.svd(slopes * near.in_plane, compute_uv=False)
 
 
 def measured(orbit: Any, z: np.ndarray, name: str) -> float:

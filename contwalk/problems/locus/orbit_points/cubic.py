@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from contwalk.errors import NotFinite
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, where_zero
 from contwalk.problems.orbit import normal_forms
 from contwalk.problems.orbit.augmented import Augmented
@@ -29,44 +29,36 @@ class VanishingCubic(OrbitLocusPoint):
     test, of_place = Test.VALUE, True
 
     def value(self, problem: Any, sample: Sample) -> float:
-        """The cubic coefficient without its poles; zero where it is no more than errors of the steps, or is
-        none; NaN where rounding hides it.
+        """The cubic coefficient; zero where it is no more than errors of the steps, NaN where there is none
+        or rounding hides it.
 
         Of area-preserving maps it is zero all along, and signs of errors tell nothing.
         """
-        there, own = problem.plane.first(sample.z)
-        map_ = there.return_map(own)
-        if _drowned(map_):
-            return float("nan")  # what is unknown is not zero
-        found, mesh = self._without_poles(problem, sample.z, map_), problem.mesh
-        return found if abs(found) > max(VANISHES, GLOBAL * mesh.amplified * mesh.tolerance) else 0.0
+        found, mesh = self._at(problem, sample.z), problem.mesh
+        return 0.0 if abs(found) <= max(VANISHES, GLOBAL * mesh.amplified * mesh.tolerance) else found
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The point of the curve at which it vanishes."""
-        return where_zero(sample, problem, self._regular)
+        return where_zero(sample, problem, self._at)
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The cubic coefficient, as it is left there."""
         return None, self.coefficients(problem, located.z), FIFTH
 
-    def _regular(self, problem: Any, z: np.ndarray) -> float:
+    def _at(self, problem: Any, z: np.ndarray) -> float:
+        """The cubic coefficient, NaN where it is unknown, which is not zero.
+
+        It has poles where other multipliers meet those of its equations, but on invariant faces none: they
+        are told from zeros by what it does beside them, and nothing is multiplied by.
+        """
         there, own = problem.plane.first(z)
         map_ = there.return_map(own)
-        return float("nan") if _drowned(map_) else self._without_poles(problem, z, map_)
-
-    def _without_poles(self, problem: Any, z: np.ndarray, map_: SectionMap) -> float:
-        values = np.linalg.eigvals(map_.a)
-        factor = np.prod((1.0 - values) / (1.0 + np.abs(values)))
-        for value in self.colliding(problem, z):
-            values = np.delete(values, int(np.argmin(np.abs(values - value))))
-            factor *= np.prod((values - value) / (1.0 + np.abs(values)))
-        return float(factor.real) * self.cubic(problem, z, map_)
-
-    def colliding(self, problem: Any, z: np.ndarray) -> Sequence[float]:
-        """Critical multipliers at which a second one is a pole, for the left critical vector is normed by the
-        right one; z has the shape (N + k + 2,).
-        """
-        return ()
+        if float(np.linalg.norm(map_.a, 2)) > MOST_GROWTH:
+            return float("nan")
+        try:
+            return self.cubic(problem, z, map_)
+        except (NotFinite, np.linalg.LinAlgError):  # at a pole itself
+            return float("nan")
 
     @abstractmethod
     def cubic(self, problem: Any, z: np.ndarray, map_: SectionMap) -> float:
@@ -87,13 +79,6 @@ class GeneralizedDoubling(VanishingCubic):
     """Period doublings change between super- and subcritical."""
 
     label = "GPD"
-
-    def colliding(self, problem: Any, z: np.ndarray) -> Sequence[float]:
-        """Minus one: a resonance 1:2.
-
-        z has the shape (N + k + 2,).
-        """
-        return (-1.0,)
 
     def cubic(self, problem: Any, z: np.ndarray, map_: SectionMap) -> float:
         """That of the return map's normal form.
@@ -131,8 +116,3 @@ class Chenciner(VanishingCubic):
         """
         there, own = problem.plane.first(z)
         return normal_forms.torus(there.return_map(own), float(np.arccos(problem.further(z)[0])))
-
-
-def _drowned(map_: SectionMap) -> bool:
-    """Whether rounding hides the cubic coefficient."""
-    return float(np.linalg.norm(map_.a, 2)) > MOST_GROWTH

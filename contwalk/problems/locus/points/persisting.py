@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.problems.locus.conditions import BranchPoint, branch_point_borders
+from contwalk.problems.locus.branch_points import BranchPoint
+from contwalk.problems.locus.branch_points import branch_point as near
 from contwalk.problems.problem import Located, Sample
 
 # How near to the creeping solution the regular one is, in typical magnitudes.
@@ -23,8 +24,7 @@ NOTE = "the zero eigenvalue is that of a branch point that persists, not of a fo
 
 def branch_point(problem: Any, sample: Sample) -> BranchPoint:
     """The condition of a branch point that persists, with borders for a sample of a curve."""
-    units = np.append(sample.weights[: problem.plane.size], sample.weights[-1])
-    return BranchPoint(branch_point_borders(problem.plane, problem.in_plane(sample.z), units))
+    return near(problem.plane, problem.in_plane(sample.z), problem.in_plane(sample.weights))
 
 
 def better(sample: Sample, found: Located | None, crossing: Located | None) -> Located | None:
