@@ -148,3 +148,12 @@ def just_beyond(
             if not np.isfinite(guard(at[0], y, flow.p)[0]):
                 return Beyond(at, flow.transitions[number].name)
     return None
+
+
+def guard_without_rate(flow: ModeFlow, t: float, x: np.ndarray) -> Transition | None:
+    """The transition whose guard has a value at x, shape (n,), but no derivative; None if all have."""
+    for transition, guard in zip(flow.transitions, flow.guards, strict=True):
+        value, rate, _ = guard(t, x[flow.states], flow.p).tolist()
+        if np.isfinite(value) and not np.isfinite(rate):
+            return transition
+    return None

@@ -18,6 +18,7 @@ from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.events.jump_instants import room
 from contwalk.flow.hybrid.at_jumps import jumping, next_jump, over
 from contwalk.flow.hybrid.blaming import (
+    guard_without_rate,
     just_beyond,
     nearly_singular,
     what_jumps,
@@ -40,7 +41,7 @@ from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow, applied, hybri
 from contwalk.flow.hybrid.motion_segment import FAR, Control, MotionSegment, far
 from contwalk.flow.hybrid.segment_events import ByEventIntegrator
 from contwalk.flow.hybrid.segment_paths import by_paths
-from contwalk.python_functions import line_of
+from contwalk.python_functions import line_aside, line_of
 from contwalk.system import Transition
 
 __all__ = ["HybridMachine", "MotionSegment", "applied", "hybrid_machine", "motion_segments", "parts"]
@@ -287,6 +288,14 @@ def _explained(
         return part
     t, x = float(part.times[-1]), part.states[-1]
     found = just_beyond(machine, flow, t, x, far(flow, t, x[flow.states], weights[flow.states]) / FAR)
+    unsloped = guard_without_rate(flow, t, x)
+    if found is None and unsloped is not None:
+        reason = (
+            f"The guard of transition '{unsloped.name}'{line_aside(unsloped.guard)} has a value and no rate "
+            f"at t = {t:.10g}, as the root of something that is zero there. Write it without the root, such "
+            "as x**2 + y**2 - r**2."
+        )
+        return replace(part, status="not_finite", reason=reason)
     if found is None:
         blame = nearly_singular(machine, flow.name, t, x)
         place = line_of(machine.system.mode(flow.name).field).removesuffix(": ")

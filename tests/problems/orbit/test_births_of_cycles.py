@@ -88,3 +88,19 @@ def assert_cycle_leaves(seed):
 @pytest.mark.parametrize("seed", range(10))
 def test_cycles_of_random_systems(seed):
     assert_cycle_leaves(seed)
+
+
+def test_a_field_without_value_on_a_part_of_the_first_guess():
+    """x1' has a root that exists for x0 > -0.3 only, and the size at a change of one asks for x0 = -1."""
+
+    def field(t, x, p, dx):
+        growth = p.lam - 1.0 - x[0] ** 2 - x[1] ** 2
+        dx[0] = growth * x[0] - x[1]
+        dx[1] = x[0] + growth * x[1]
+        dx[2] = np.sqrt(0.3 + x[0]) - np.sqrt(0.3) - x[2]
+
+    problem = small_problem(field, "abc", {"lam": 0.8}, "lam")
+    _, point = hopf(problem, [0.0, 0.0, 0.0])
+    sizes = CycleSizes(problem, point)(1.0)
+    assert sizes[:2] == pytest.approx([1.0, 1.0], rel=1e-6)
+    assert np.isfinite(sizes).all()

@@ -102,10 +102,13 @@ class CycleSizes:
             moved[:n] += deviation
             try:
                 with np.errstate(all="ignore"):
-                    fields.append(self._equilibrium.kernels.residual(*self._equilibrium.inputs(moved))[:n])
+                    field = self._equilibrium.kernels.residual(*self._equilibrium.inputs(moved))[:n]
             except PluginError:
                 return None
-        return np.array(fields) if np.all(np.isfinite(fields)) else None
+            if not np.isfinite(field).all():  # a path that fails gives one NaN for all components
+                return None
+            fields.append(field)
+        return np.array(fields)
 
 
 def _square_per_change(point: SpecialPoint) -> float:

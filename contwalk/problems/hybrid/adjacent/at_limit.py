@@ -13,6 +13,7 @@ from contwalk.problems.hybrid.adjacent.exchange import gone
 from contwalk.problems.hybrid.adjacent.insertion import inserted
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrbit
 from contwalk.problems.hybrid.adjacent.removal import removed
+from contwalk.problems.hybrid.adjacent.skipped import with_first
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.switching import discretized, rotated
@@ -47,7 +48,10 @@ def begun_elsewhere(
     m, i = problem.layout.legs, limit.leg
     # What is inserted may stand anywhere; what is removed or exchanged must not meet the image. The only
     # event that there is has no other place: `removed` knows it.
-    lowest, highest = {"duration": (1, m - 2), "rate": (0, max(m - 2, 0))}.get(limit.test, (0, m - 1))
+    last = max(m - 2, 0)
+    lowest, highest = {"duration": (1, m - 2), "rate": (0, last), "end": (0, last)}.get(
+        limit.test, (0, m - 1)
+    )
     if collapses(problem, limit):
         lowest, highest = 0, m - 1
     if not problem.itinerary.image or lowest <= i <= highest:
@@ -126,6 +130,8 @@ def built_at(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: floa
         raise NoAdjacentOrbit(
             f"'{limit.name}' would happen again at once, for ever: the machine rests there."
         )
+    if limit.test == "end":
+        return with_first(problem, z, limit, transition)
     raise NoAdjacentOrbit(
         f"'{limit.name}' and '{problem.itinerary.legs[limit.leg].name}' happen at once there, and no "
         "itinerary with both is known."

@@ -11,17 +11,19 @@ from contwalk.problems.hybrid.adjacent.orbit import (
     AdjacentOrbit,
     NoAdjacentOrbit,
     after_transition,
+    alike,
     assembled,
+    falling_as,
     own_limit,
     starts_and_durations,
     state_on_leg,
 )
 from contwalk.problems.hybrid.adjacent.removal import visit, without_visit
+from contwalk.problems.hybrid.adjacent.skipped import without_first
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.itinerary import Leg
-from contwalk.system import Transition
 
 
 def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit:
@@ -34,8 +36,8 @@ def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Adjace
     assert first is not None
     assert second is not None
     origin, target = problem.itinerary.legs[before].mode, problem.itinerary.target(i)
-    earlier = [t for t in problem.system.leaving(origin) if _like(t, second)]
-    later = [t for t in problem.system.acting if _like(t, first) and t.target == target]
+    earlier = [t for t in problem.system.leaving(origin) if alike(t, second)]
+    later = [t for t in problem.system.acting if alike(t, first) and t.target == target]
     pairs = [(b, a) for b in earlier for a in later if b.target == a.source]
     if not pairs:
         raise NoAdjacentOrbit(
@@ -47,8 +49,8 @@ def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Adjace
     t = float(there.starting_times(z)[before]) + lasting[before]
     x = state_on_leg(there, z, before, 1.0)
     legs = list(problem.itinerary.legs)
-    legs[before] = Leg(origin, b, _direction(b, legs[i]))
-    legs[i] = Leg(b.target, a, _direction(a, problem.itinerary.legs[before]))
+    legs[before] = Leg(origin, b, falling_as(b, legs[i]))
+    legs[i] = Leg(b.target, a, falling_as(a, problem.itinerary.legs[before]))
     middle = after_transition(problem, legs[before], x, t, z)
     end = after_transition(problem, legs[i], middle, t, z)
     following = (i + 1) % m
@@ -68,25 +70,19 @@ def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Adjace
 
 
 def gone(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit:
-    """A leg that lasts no time: the events at its ends happen in the other order, or do not happen where it
-    was a visit in another mode.
+    """A leg that lasts no time: the events at its ends happen in the other order, or the first of them does
+    not happen, or neither where it was a visit in another mode.
 
     z has shape (N + 1,).
     """
     try:
         return _exchanged(problem, z, limit)
     except NoAdjacentOrbit:
+        neighbour = without_first(problem, z, limit)
+        if neighbour is not None:
+            return neighbour
         m, legs = problem.layout.legs, problem.itinerary.legs
         first = visit(problem, z, (limit.leg - 1) % m)
         if first is None or legs[first].mode == legs[(first + 1) % m].mode:
             raise
         return without_visit(problem, z, first)
-
-
-def _like(one: Transition, other: Transition) -> bool:
-    """Whether two transitions are the same event out of different modes: they have the same guard."""
-    return one.guard is other.guard or one.name == other.name
-
-
-def _direction(transition: Transition, like: Leg) -> bool:
-    return like.falls if transition.direction == "both" else transition.direction == "falling"

@@ -132,3 +132,13 @@ def own_limit(problem: DiscretizedOrbit, i: int, test: str) -> Limit:
 def minimum_of(problem: DiscretizedOrbit, i: int, transition: Transition) -> Limit:
     """The minimum on leg i of the guard of another transition."""
     return next(o for o in problem.limits if o.leg == i and o.test == "dip" and o.name == transition.name)
+
+
+def alike(one: Transition, other: Transition) -> bool:
+    """Whether two transitions are the same event out of different modes: they have the same guard."""
+    return one.guard is other.guard or one.name == other.name
+
+
+def falling_as(transition: Transition, like: Leg) -> bool:
+    """Whether a transition's guard falls at the event that ends a leg."""
+    return like.falls if transition.direction == "both" else transition.direction == "falling"
