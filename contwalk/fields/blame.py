@@ -148,6 +148,62 @@ class _Choosing(Probe):
         return result
 
 
+# What counts as nothing of what it was along a motion, and how the operations are told that have no value, or
+# no derivative, at nothing.
+NOTHING = 1e-3
+_OF_NOTHING = {"log": "a logarithm", "sqrt": "a square root", "pow": "a power"}
+
+
+class _Sizing(Probe):
+    """A float that remembers of what quotients, logarithms and roots have been taken, and at which line."""
+
+    __slots__ = ()
+    met: ClassVar[list[tuple[str, str, tuple[float, ...]]]] = []
+
+    def apply(self, name: str, arguments: tuple[Any, ...]) -> Any:
+        """The operation, remembered where it has no value, or no derivative, at nothing."""
+        if (name == "div" or name in _OF_NOTHING) and not any(is_complex(a) for a in arguments):
+            values = tuple(abs(_value(a)) for a in arguments)
+            if name != "pow" or values[1] < 1.0:  # others have a derivative
+                self.met.append((name, calling_line(), values))
+        return super().apply(name, arguments)
+
+
+def first_vanishing(
+    function: Callable[..., Any],
+    places: Sequence[tuple[float, Sequence[float]]],
+    parameters: dict[str, float],
+) -> str | None:
+    """`file, line n: what` of the first quotient that comes to 0/0, or by zero, at the last of some places.
+
+    The same of logarithms, roots and powers of nothing; None if there is none.
+
+    Parameters
+    ----------
+    function : callable
+        `field(t, x, p, dx)` or a function of the same form.
+    places : sequence of (float, sequence of float)
+        Times and states along a motion.
+    parameters : dict
+        Values by name.
+    """
+    seen = []
+    for t, x in places:
+        number = type("_Sizing", (_Sizing,), {"met": [], "__slots__": ()})
+        first_not_finite(function, t, x, parameters, number)
+        seen.append(number.met)  # type: ignore[attr-defined]
+    for k, (name, line, last) in enumerate(seen[-1]):
+        alike = [met[k][2] for met in seen if len(met) > k and met[k][:2] == (name, line)]
+        most = [max(along) for along in zip(*alike, strict=True)]
+        small = [own <= NOTHING * largest for own, largest in zip(last, most, strict=True)]
+        if name == "div" and small[1] and most[1] > 0.0:
+            what = "a quotient comes to 0/0" if small[0] else "the denominator of a quotient comes to zero"
+            return f"{line}: {what} there ({last[0]:.1e}/{last[1]:.1e})"
+        if name != "div" and small[0] and most[0] > 0.0:
+            return f"{line}: what {_OF_NOTHING[name]} is of comes to zero there ({last[0]:.1e})"
+    return None
+
+
 def first_switched(
     function: Callable[..., Any],
     before: tuple[float, Sequence[float]],

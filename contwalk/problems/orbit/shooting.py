@@ -243,7 +243,7 @@ def _without_value(passage: Passage, values: np.ndarray, path: flow.Path) -> str
     steps = np.array([before, last, min(last + BEYOND * (last - before), 1.0)])
     line = without_value.along(
         passage, values, steps, np.vstack([nodes, np.full_like(nodes[:1], np.nan)]), DOP853.name
-    )
+    ) or without_value.vanishing(passage, values, path.times, path.states[:, : len(passage.states)])
     return f" {line}" if line else ""
 
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NO_LINE
-from contwalk.fields.blame import first_switched
+from contwalk.fields.blame import first_switched, first_vanishing
 from contwalk.flow.hybrid.functions_without_value import functions_of, line_without_value
+from contwalk.numerics.distinct import distinct
 from contwalk.problems.kink import REMEDY
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.passage import Passage
@@ -32,7 +33,8 @@ def along(
 ) -> str:
     """`The NAME: file, line n: what` of the first function without a value on a motion; empty if none.
 
-    Where all have one, and an implicit step on the way has no solution, a sentence that says so.
+    Where all have one, and an implicit step on the way has no solution, a sentence that says so; else what
+    comes to 0/0 where the motion breaks off.
 
     Parameters
     ----------
@@ -54,7 +56,29 @@ def along(
     for share, x in _places(passage, values, steps, nodes, method):
         if found := at(passage, values, share, x, functions):
             return found
-    return _unsolved(passage, values, steps, nodes, method)
+    found = _unsolved(passage, values, steps, nodes, method)
+    return found or ("" if np.isfinite(nodes).all() else vanishing(passage, values, steps, nodes))
+
+
+def vanishing(passage: Passage, values: np.ndarray, times: np.ndarray, nodes: np.ndarray) -> str:
+    """`The NAME: file, line n: what` of a quotient that comes to 0/0 where a motion breaks off, or the like.
+
+    Instants 0..1 of shape (s,), states (s, n); the last one is where.
+    """
+    finite = np.isfinite(nodes).all(axis=1)
+    last = len(nodes) if finite.all() else int(np.argmin(finite))
+    if last < 2:
+        return ""
+    few = distinct(np.linspace(0, last - 1, PARTS).astype(int))
+    start, lasting = passage.clock(values)
+    instants = start + times[few] * lasting if passage.forced else np.zeros(len(few))
+    places = [(float(t), passage.full(x).tolist()) for t, x in zip(instants, nodes[few], strict=True)]
+    mode, known = passage.leg.mode, passage.parameters(values)
+    known = {**known, **passage.system.mode(mode).constants}
+    for name, function in functions_of(passage.system, mode).items():
+        if found := first_vanishing(function, places, known):
+            return f"The {name}: {found}."
+    return ""
 
 
 def at(passage: Passage, values: np.ndarray, share: float, x: np.ndarray, functions: Functions) -> str:
