@@ -88,7 +88,8 @@ def walk(
                         place = replace(place, sample=replace(place.sample, unstable=found.after))
                         yield End(outcome, end_record(problem, place, outcome, sign, record.error))
                         return
-                taken, state = step, _arrived(problem, step, state, sign, settings, before)
+                taken = step
+                state = _arrived(problem, step, state, sign, settings, before, origin.sample)
             problem, state = yield from _taken_up(problem, state, settings)
             number += 1
             if done + number > 3 and taken is not None and closes(taken.segment, taken.found, origin.sample):
@@ -173,9 +174,10 @@ def _arrived(
     sign: float,
     settings: Settings,
     before: tuple[float, int],
+    origin: Sample,
 ) -> ContinuationState:
     """The place at the end of a step, with what the step has cost."""
-    sample = _with_effort(problem, grown(problem, step.there, state, settings), before)
+    sample = _with_effort(problem, grown(problem, step.there, state, settings, origin), before)
     return ContinuationState(sample, state.s + sign * step.segment.length, step.next_length)
 
 

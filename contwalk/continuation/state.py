@@ -128,10 +128,13 @@ def adapted(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
     return there, again.counted(sample.unstable)
 
 
-def grown(problem: Problem, sample: Sample, state: ContinuationState, settings: Settings) -> Sample:
-    """A new sample in the metric that its own size adds to."""
+def grown(
+    problem: Problem, sample: Sample, state: ContinuationState, settings: Settings, origin: Sample
+) -> Sample:
+    """A new sample in the metric that its own size adds to, and how far it is from where its walk began."""
     known, magnitudes = state.sample.weights, sample.magnitudes
-    sizes = crowded(problem, np.abs(sample.z) if sample.sizes is None else sample.sizes)
+    own = np.abs(sample.z) if problem.meshed is None else problem.meshed.sizes_since(sample, origin)
+    sizes = crowded(problem, own)
     # What nothing tells yet, as drifts never, need not be asked for again, nor a declared scale of one.
     new = (known == UNKNOWN) & np.isfinite(magnitudes) & (magnitudes != UNKNOWN)
     if problem.meshed is None and np.any(new[:-1]):

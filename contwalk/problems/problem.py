@@ -259,10 +259,7 @@ class Anchored(Protocol):
 
 
 class Meshed(Anchored, Protocol):
-    """What problems have whose solutions are functions, given by their values on a mesh.
-
-    An instance of such a problem is one discretisation; these members make others of it.
-    """
+    """What problems have whose solutions are functions, given on a mesh: an instance is one mesh."""
 
     # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
     branching_offset: float
@@ -272,6 +269,10 @@ class Meshed(Anchored, Protocol):
     @property
     def method(self) -> str:
         """How motions are integrated, and why so."""
+        ...
+
+    def sizes_since(self, sample: Sample, begun: Sample) -> np.ndarray:
+        """What weights of the metric grow with, shape (N + 1,), on a branch that began elsewhere."""
         ...
 
     def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:

@@ -80,6 +80,8 @@ class Sample:
         The same for a solution that is known exactly: `spectrum_error` may have what z is not known to.
     sizes : ndarray, shape (N + 1,), optional
         What the weights of the metric grow with along the branch; |z| if not given.
+    extent : ndarray, shape (2, n), optional
+        Of orbits: least and largest value of each state over it.
     error : float
         Estimated error of z in the metric, from the errors of the equations.
     margins : ndarray
@@ -119,6 +121,7 @@ class Sample:
     spectrum_error: float | None = None
     spectrum_accuracy: float | None = None
     sizes: np.ndarray | None = None
+    extent: np.ndarray | None = None
     error: float = float("nan")
     margins: np.ndarray = field(default_factory=lambda: np.zeros(0))
     reported: np.ndarray | None = None

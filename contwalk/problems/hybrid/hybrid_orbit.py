@@ -157,6 +157,10 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """
         return metric.magnitudes_near(self, z)
 
+    def states_along(self, z: np.ndarray) -> np.ndarray:
+        """States at the steps of the orbit, shape (k, n). z has the shape (N + 1,)."""
+        return metric.states_along(self, z)
+
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         return metric.beginnings(self, z)

@@ -16,7 +16,7 @@ def magnitudes_near(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
 
     Both have the shape (N + 1,).
     """
-    every = np.concatenate([view.full(view.nodes) for view in orbit.view(z)])
+    every = states_along(orbit, z)
     half = 0.5 * np.ptp(every, axis=0)
     if orbit.itinerary.image and not np.all(half > 0.0):  # held until the image follows
         whole = np.vstack([every, _images(orbit, z, every)])
@@ -38,6 +38,11 @@ def magnitudes_near(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     result[orbit.layout.drifts] = drift_scales(orbit, z) * np.sqrt(m)
     result[-1] = abs(z[-1])
     return result
+
+
+def states_along(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+    """States at the steps of all legs, shape (k, n). z has the shape (N + 1,)."""
+    return np.concatenate([view.full(view.nodes) for view in orbit.view(z)])
 
 
 def _images(orbit: DiscretizedOrbit, z: np.ndarray, states: np.ndarray) -> np.ndarray:

@@ -24,6 +24,7 @@ from contwalk.problems.locus.orbit_points.catalogue import POINT_TYPES
 from contwalk.problems.orbit import augmented, equations
 from contwalk.problems.orbit.discretization import FINEST, SOLVED
 from contwalk.problems.orbit.evaluations import Evaluations
+from contwalk.problems.orbit.extents import sizes_since
 from contwalk.problems.orbit.multipliers import GLOBAL
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.parameter_line import ParameterLine
@@ -157,6 +158,11 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         """Typical magnitudes for the first corrections of a start, shape (N + k + 2,)."""
         there, own = self.plane.first(z)
         return self._with_parameters(there.beginnings(own), z)
+
+    def sizes_since(self, sample: Sample, begun: Sample) -> np.ndarray:
+        """What weights of the metric grow with, shape (N + k + 2,), on a curve that began elsewhere."""
+        there, _ = self.plane.first(sample.z)
+        return sizes_since(there, sample, begun)
 
     def _with_parameters(self, own: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Magnitudes of the orbit's unknowns and the first parameter, with those of all others."""

@@ -25,6 +25,7 @@ from contwalk.problems.orbit import (
     scales,
 )
 from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.extents import extent_of, sizes_since
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -169,6 +170,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
             error=error,
             critical=1.0,
             sizes=np.nan_to_num(linearization.magnitudes),
+            extent=extent_of(self.states_along(z)),
             period=self.duration(z),
             trivial_error=trivial,
             kinks=met,
@@ -180,6 +182,14 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
         self, z: np.ndarray, found: Multipliers, error: float, known: Sample | None
     ) -> dict[str, Any]:
         """What a sample tells of one kind of orbits only."""
+
+    @abstractmethod
+    def states_along(self, z: np.ndarray) -> np.ndarray:
+        """States at the steps of the orbit, shape (k, n). z has the shape (N + 1,)."""
+
+    def sizes_since(self, sample: Sample, begun: Sample) -> np.ndarray:
+        """What weights of the metric grow with, shape (N + 1,), on a branch that began elsewhere."""
+        return sizes_since(self, sample, begun)
 
     # -- what is told of it ------------------------------------------------------------------------------
 

@@ -122,7 +122,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         Both have the shape (N + 1,).
         """
         m = self.mesh.segments
-        nodes = self.solution(z).nodes
+        nodes = self.states_along(z)
         half = 0.5 * np.ptp(nodes, axis=0)
         shares = half / np.maximum(np.abs(nodes).max(axis=0), self.mesh.variation)
         moves = np.any(
@@ -136,6 +136,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         scalars = np.abs(self.scalars(z))
         scalars[1 - self.forced : -1] = np.nan  # drifts are zero; what they are is noise
         return self.laid_out(np.tile(half, m) * np.sqrt(m), scalars, 1.0)
+
+    def states_along(self, z: np.ndarray) -> np.ndarray:
+        """States at the steps of the orbit, shape (k, n). z has the shape (N + 1,)."""
+        return self.solution(z).nodes
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
