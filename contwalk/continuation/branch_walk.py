@@ -19,7 +19,7 @@ from contwalk.continuation.branch_in_progress import (
 )
 from contwalk.continuation.events import Began, Cut, Event, Found, Noted, Plan
 from contwalk.continuation.first_steps import Beginning, FirstSteps, Place
-from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error
+from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error, start_refined
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import End, walk
 from contwalk.continuation.records import start_record
@@ -282,9 +282,13 @@ class BranchWalk:
 
     def _start_marks(self, work: BranchInProgress, opening: Opening, observer: Observer) -> Iterator[Found]:
         """Marks that the start of a branch has itself."""
-        problem, state = opening.problem, opening.state
-        for kind, mark in marks_at(problem, state.sample, self._plan.settings.marks, observer):
-            error = place_error(problem, state.sample, mark)
+        own, begun = opening.problem, opening.state
+        for kind, mark in marks_at(own, begun.sample, self._plan.settings.marks, observer):
+            error = place_error(own, begun.sample, mark)
+            problem, state = own, begun
+            if kind == "parameter":
+                problem, sample = start_refined(own, begun.sample)
+                state = replace(begun, sample=sample)
             record = start_record(problem, state, kind, mark, error)
             row = to_row(work.info, problem, state, 1.0, record)
             work.rows.append(row)

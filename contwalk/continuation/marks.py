@@ -14,6 +14,7 @@ from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
+from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.problem import Located, Problem, Sample, Test, refined
@@ -263,6 +264,29 @@ def marks_at(
         if mark.extremum and np.isfinite(value) and _extreme_at(problem, sample, mark.name):
             found.append(("extremum", (mark.name, None)))
     return found
+
+
+def start_refined(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
+    """The start of a branch on the finer steps of located points, its parameter held, with their problem.
+
+    It stays as it is where it is not discretised, at a branch point, where equations are singular, on curves
+    in two parameters, and where it is not found on those steps.
+    """
+    if problem.meshed is None or problem.line.second is not None or sample.orientation == 0.0:
+        return problem, sample
+    normal = np.zeros(len(sample.z))
+    normal[-1] = 1.0 / sample.weights[-1]
+    try:
+        finer = refined(problem, sample.z, sample.weights)
+        found = correct(finer, sample.z, normal, sample.weights)
+        if not found.ok or found.linearization is None:
+            return problem, sample
+        z = np.append(found.z[:-1], sample.parameter)
+        tangent = found.linearization.tangent(sample.tangent / sample.weights**2, sample.weights)
+        lin = found.problem.linearize(z)
+        return found.problem, found.problem.examine(z, tangent, sample.weights, lin, sample.unstable)
+    except (NotFinite, PluginError, np.linalg.LinAlgError):
+        return problem, sample
 
 
 def _extreme_at(problem: Problem, sample: Sample, name: str) -> bool:

@@ -19,6 +19,8 @@ import numpy as np
 # Sums of odd powers that are no larger, against those of their moduli, are zero; of multipliers the steps
 # count.
 HAMILTONIAN, SYMPLECTIC = 1e-10, 1e-7
+# All eigenvalues may be zero.
+TINY = 1e-300
 # Two s are conjugates, and one is real, to half the digits: so well eigenvalues are known where pairs meet.
 HALF = 1e-6
 
@@ -34,13 +36,17 @@ def hamiltonian(values: np.ndarray) -> bool:
 def symplectic(values: np.ndarray) -> bool:
     """Whether multipliers, shape (n,), come as mu and 1/mu, two pairs of them or more."""
     powers = range(1, len(values) // 2 + 1)
-    return bool(np.all(values != 0.0)) and _balanced(values, 1.0 / values, powers, SYMPLECTIC)
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # one without a partner has none
+        partners = 1.0 / values
+    return _balanced(values, partners, powers, SYMPLECTIC)
 
 
 def _balanced(values: np.ndarray, partners: np.ndarray, powers: range, allowed: float) -> bool:
-    if len(values) < 4 or len(values) % 2 or not np.isfinite(values).all():
+    if len(values) < 4 or len(values) % 2 or not np.isfinite([values, partners]).all():
         return False
-    return all(_cancel(values**k, partners**k, allowed) for k in powers)
+    # Of multipliers beyond 1e154 the square is none: powers are of parts of a power of two, to the same bits.
+    unit = float(np.exp2(np.ceil(np.log2(max(np.abs(values).max(), np.abs(partners).max(), TINY)))))
+    return all(_cancel((values / unit) ** k, (partners / unit) ** k, allowed) for k in powers)
 
 
 def _cancel(values: np.ndarray, partners: np.ndarray, allowed: float) -> bool:

@@ -64,7 +64,7 @@ class Multipliers:
         Shape (m,).
         """
         found = np.abs(self.values) - 1.0
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             half = 0.5 * np.abs((self.values + 1.0 / self.values).real) - 1.0
         if self.paired is not None:
             found = np.where(self.paired & (np.abs(self.values) >= self._within), half, found)
