@@ -67,6 +67,8 @@ class Seen:
         events the reset carries that one's guard through zero, and how many events there were.
     lost : dict
         For each transition what is said of motions after which no guard can be met; empty of others.
+    gone_on : set
+        Transitions after which a motion has met another one.
     segments : dict
         For each mode times and states of some motions.
     """
@@ -80,6 +82,7 @@ class Seen:
     ends: dict[str, list[tuple[str, str | None, str]]] = field(default_factory=dict)
     carried: dict[tuple[str, str], list[int]] = field(default_factory=dict)
     lost: dict[str, list[str]] = field(default_factory=dict)
+    gone_on: set[str] = field(default_factory=set)
     segments: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
 
     def end(self, status: str, reason: str, transition: str | None, mode: str) -> None:
@@ -166,10 +169,13 @@ def _follow(
         return
     control = Control(TOLERANCE, samples.scales)
     motion = motion_segments(machine, t, x, mode, np.inf, control, last, MOST_STEPS)
-    met = False
+    met, before = False, last
     try:
         for count, segment in enumerate(motion, start=1):
             seen.add(machine, segment)
+            if before is not None and segment.transition is not None:
+                seen.gone_on.add(before)
+            before = segment.transition
             if segment.status not in ("ok", "too_many_steps"):
                 status = CHAIN if segment.status == "sticking" and count > MOST_SEGMENTS else segment.status
                 seen.end(status, segment.reason, segment.transition, segment.mode)
@@ -249,8 +255,8 @@ def _tell_of_guard(report: Report, transition: Transition, seen: Seen) -> None:
 def _tell_of_what_follows(report: Report, system: System, transition: Transition, seen: Seen) -> None:
     """After a transition a motion must be able to meet another one, if any leads out of its mode."""
     said = seen.lost.get(transition.name, [])
-    if not said or not all(said):
-        return
+    if not said or not all(said) or transition.name in seen.gone_on:
+        return  # states that were tried may be none that the machine comes to
     report.warning(
         f"transition '{transition.name}'",
         f"After it no transition out of mode '{transition.target}' can happen any more, at the {len(said)} "

@@ -1,4 +1,5 @@
-"""Which modes transitions lead to: those that no motion enters, and machines whose events come once only."""
+"""Which modes transitions lead to: those that no motion enters or leaves, and machines whose events come once
+only."""
 
 from __future__ import annotations
 
@@ -30,6 +31,17 @@ def check_reachable(report: Report, system: System) -> None:
             "them. Lead one of them back to an earlier mode.",
             place_of(system.acting[0].guard),
         )
+        return
+    for mode in system.modes:
+        into = [t.name for t in system.acting if t.target == mode.name and t.source != mode.name]
+        if into and not leads[mode.name] and not mode.about and system.fallen is None:
+            report.warning(
+                f"mode '{mode.name}'",
+                f"'{into[0]}' leads to it, and no transition leads out of it: a motion that gets there "
+                "stays, and no orbit passes it. Declare what ends it; if it is meant to last, as that of a "
+                "machine that has fallen, say so with about=... of the mode.",
+                place_of(mode.field),
+            )
 
 
 def _closure(leads: dict[str, set[str]], names: Iterable[str]) -> set[str]:

@@ -110,7 +110,6 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
             happenings.append(happening)
     for happening in happenings:
         field = fields[happening.transition.source]
-        check_passing(report, happening, field, samples, happenings)
         check_event_kinks(report, happening, system, samples)
         check_told_kinks(report, happening, system, samples)
         check_jumps_in_time(report, happening, samples, period)
@@ -125,6 +124,9 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     seen = None
     if system.acting and len(happenings) == len(distinct):
         seen = _seen(report, system, list(fields), happenings, samples)
+    passed = set[str]() if seen is None else set(seen.events)
+    for happening in happenings:
+        check_passing(report, happening, fields[happening.transition.source], samples, happenings, passed)
     check_absent(report, system)
     for symmetry in system.symmetries:
         check_symmetry(report, symmetry, system, fields, samples, period)

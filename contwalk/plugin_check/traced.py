@@ -245,7 +245,9 @@ def traced(
         found = Traced(function, system, form, instants, mode)
     except ContwalkError as error:
         where, sentence = split_place(error.sentence, place)
-        report.error(what, f"{sentence} {error.remedy}", where)
+        mixed_up = isinstance(error.__cause__, TypeError)  # one argument taken for another, most often
+        hint = f" Its form is {form.signature}, with parameters as p.name." if mixed_up else ""
+        report.error(what, f"{sentence} {error.remedy}{hint}", where)
         return None
     if not found.repeats:
         report.error(what, AGAIN, place)
