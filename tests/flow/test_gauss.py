@@ -248,3 +248,23 @@ def test_a_state_that_is_zero_but_for_rounding_is_solved_apart_from_what_it_driv
     states = along(field, field.constants([1e3]), times, [1.0, 0.0, 1e-33], method)
     assert np.all(np.isfinite(states))
     np.testing.assert_allclose(states[:, 2], 1e-33 * np.exp(times), rtol=1e-5, atol=0)
+
+
+def test_what_is_zero_because_terms_cancel_is_solved() -> None:
+    """Two masses opposite each other on a rotor leave nothing but the rounding of their pulls: as its rate,
+    it is far more than the displacement itself, which that rate drives.
+    """
+
+    def rates(t, x, p):
+        turned = [angle + p[0] * t for angle in x[2:4]]
+        pull = p[0] ** 2 * (np.cos(turned[0]) + np.cos(turned[1])) - 0.1 * x[1] - x[0]
+        rolls = [np.sin(angle) * pull - 0.5 * speed for angle, speed in zip(turned, x[4:], strict=True)]
+        return [x[1], pull, x[4], x[5], *rolls]
+
+    field, turn = field_of(rates, 6, 1), 2.0 * np.pi / 5.0
+    constants = field.constants([5.0])
+    for angle in np.linspace(0.1, 3.0, 20):
+        for method in METHODS:
+            start = [0.0, 0.0, angle, angle + np.pi, 0.0, 0.0]
+            states = along(field, constants, np.linspace(0.0, turn, 21), start, method)
+            assert np.all(np.abs(states[:, :2]) < 1e-13)

@@ -86,7 +86,7 @@ def increments(eq: Equations, m: Points, w: Work, t: float, h: float, x: np.ndar
     for k in range(n):
         w.base[k] = 0.0
     size, best, spent = np.inf, np.inf, 0
-    idle = 0
+    idle, spread = 0, False
     for _ in range(MOST_PASSES):
         if size > KEPT:
             spent += 2 * s
@@ -105,9 +105,35 @@ def increments(eq: Equations, m: Points, w: Work, t: float, h: float, x: np.ndar
             return CONVERGED, spent
         idle = idle + 1 if size > 0.5 * best else 0
         best = min(best, size)
-        if idle >= IDLE and best <= NOISE:
+        if idle < IDLE:
+            continue
+        if best <= NOISE:
             return CONVERGED, spent
+        if not spread:
+            spread_roundings(m, w, n)
+            best, idle, spread = np.inf, 0, True
     return SLOW, spent
+
+
+@inlined
+def spread_roundings(m: Points, w: Work, n: int) -> None:
+    """Add to the units of rounding what the step's matrix makes of those of the other states.
+
+    A state that is zero and driven by others that are zero has no rounding by its own terms; what it gets is
+    that of the terms that cancel in those others.
+    """
+    s = m.s
+    for sign in (1.0, -1.0):
+        for j in range(s):
+            for k in range(n):
+                w.correction[j * n + k] = w.base[k] if k % 2 == 0 else sign * w.base[k]
+        solve(w.matrix, w.pivots, s * n, w.correction, 1)
+        for k in range(n):
+            w.state[k] = 0.0 if sign > 0.0 else w.state[k]
+            for j in range(s):
+                w.state[k] = max(w.state[k], abs(w.correction[j * n + k]))
+    for k in range(n):
+        w.base[k] = max(w.base[k], w.state[k])
 
 
 @inlined
