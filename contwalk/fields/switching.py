@@ -78,6 +78,24 @@ class Switching:
         _values(self.graph, self._deciding, inputs, {}, chosen)
         return np.stack(np.broadcast_arrays(*[chosen[node] for node in self.choices]), axis=-1).astype(float)
 
+    def numbers(self, inputs: Inputs) -> np.ndarray:
+        """Numbers that pass a whole one where the choices change, at some inputs, shape (.., choices)."""
+        nodes, behind = self._compared
+        found = _values(self.graph, behind, inputs, {}, {})
+        values = [self._level(choice, found[node]) for choice, node in zip(self.choices, nodes, strict=True)]
+        return np.stack(np.broadcast_arrays(*values), axis=-1).astype(float)
+
+    def _level(self, choice: int, number: Any) -> Any:
+        """A switching function's value, where only zero counts between -1 and 1; the place among breaks."""
+        name, *arguments = self.graph.nodes[choice]
+        if name in ("floor", "trunc", "fmod"):
+            return number
+        if name != "piece":
+            with np.errstate(invalid="ignore"):
+                return number / (1.0 + np.abs(number))
+        breaks = np.asarray(self.graph.tables[int(arguments[-1])])
+        return np.interp(number, breaks, np.arange(len(breaks)))
+
     def jumps(self, changed: Iterable[int]) -> bool:
         """Whether the value may jump where these choices (by their columns) change."""
         return any(self.graph.nodes[self.choices[k]][0] not in CONTINUOUS for k in changed)
@@ -159,6 +177,12 @@ class Switching:
     def _deciding(self) -> list[int]:
         """Nodes that the choices follow from."""
         return list(ancestors(self.graph, self.choices))
+
+    @cached_property
+    def _compared(self) -> tuple[list[int], list[int]]:
+        """Nodes of the choices' switching functions, and the nodes that these follow from."""
+        nodes = [self._switching_function(node) for node in self.choices]
+        return nodes, list(ancestors(self.graph, nodes))
 
     @cached_property
     def _behind(self) -> dict[int, list[int]]:

@@ -70,6 +70,24 @@ def triangle(t, x, p):
     return x[0] - 2.0 * abs((t / T) % 1.0 - 0.5)
 
 
+def glimpse(t, x, p):
+    return x[0] - 1.0 + np.where(np.sin(2.0 * np.pi * t / T) > 1.0 - 1e-11, 1.0, 0.0)
+
+
+def gap(t, x, p):
+    return x[0] - np.where(abs((t / T) % 1.0 - 0.3) > 1e-5, 1.0, 0.0)
+
+
+def glimpsed(t, x, p):
+    return x[0] - 1.0 + np.floor(1.0 + np.cos(2.0 * np.pi * t / T - 1.0) - p.height + 1e-9)
+
+
+def peaked(t, x, p):
+    return x[0] - np.interp(np.sin(2.0 * np.pi * t / T), [-1.0, 1.0 - 1e-9, 1.0], [0.0, 0.0, 1.0])
+
+
+GLIMPSE = np.arccos(1.0 - 1e-11) / (2.0 * np.pi)
+GLIMPSED = np.arccos(1.0 - 1e-9) / (2.0 * np.pi)
 every = np.arange(PERIODS + 1)
 
 
@@ -89,6 +107,11 @@ every = np.arange(PERIODS + 1)
         (pulse, "falling", [0.304]),
         (triangle, "rising", [0.25]),
         (triangle, "falling", [0.75]),
+        (glimpse, "rising", [0.25 - GLIMPSE]),
+        (glimpse, "falling", [0.25 + GLIMPSE]),
+        (gap, "rising", [0.3 - 1e-5]),
+        (peaked, "falling", [0.25 - np.arccos(1.0 - 0.5e-9) / (2.0 * np.pi)]),
+        (glimpsed, "rising", [0.5 / np.pi - GLIMPSED]),
         (lambda t, x, p: 0.5 - (t / T) % 1.0, "rising", [0.0]),  # of time alone
     ],
 )

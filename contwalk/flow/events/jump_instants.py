@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,8 @@ MOST_PASSES = 16
 OFFSET = 0.3819660112501051
 # Roundings of the time within which an instant is the one of a jump.
 COINCIDE = 8.0
+# Beside an extremum a number is the same to rounding for this part of a period.
+FLAT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -69,9 +72,21 @@ class TimeChoices:
 
     def at(self, times: np.ndarray, p: np.ndarray) -> np.ndarray:
         """What they are at instants, shape (k, choices)."""
-        inputs = {(PARAMETER, k): value for k, value in enumerate(p.tolist())} | {(TIME, 0): times}
-        found = [switching.sides(inputs) for switching in self._switchings]
-        return np.concatenate([np.broadcast_to(each, (len(times), each.shape[-1])) for each in found], axis=1)
+        inputs = _inputs(times, p)
+        return _joined([switching.sides(inputs) for switching in self._switchings], len(times))
+
+    def numbers(self, times: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Numbers whose passing of a whole number changes them, shape (k, choices)."""
+        inputs = _inputs(times, p)
+        return _joined([switching.numbers(inputs) for switching in self._switchings], len(times))
+
+
+def _inputs(times: np.ndarray, p: np.ndarray) -> dict[tuple[str, int], Any]:
+    return {(PARAMETER, k): value for k, value in enumerate(p.tolist())} | {(TIME, 0): times}
+
+
+def _joined(found: Sequence[np.ndarray], count: int) -> np.ndarray:
+    return np.concatenate([np.broadcast_to(each, (count, each.shape[-1])) for each in found], axis=1)
 
 
 class JumpInstants:
@@ -82,7 +97,8 @@ class JumpInstants:
     choices : TimeChoices
     p : ndarray, shape (m,)
     period : float
-        Of the time's part of the machine: what changes for less than a thousandth of it may be missed.
+        Of the time's part of the machine: what changes for less than a thousandth of it is found where a
+        compared number turns back once within that.
     """
 
     def __init__(self, choices: TimeChoices, p: np.ndarray, period: float) -> None:
@@ -107,6 +123,10 @@ class JumpInstants:
         """Those of one period; what comes at once, but for rounding, is one."""
         times = (window + OFFSET + np.arange(PARTS + 1) / PARTS) * self._period
         sides = self._choices.at(times, self._p)
+        between = self._turning_back(times, sides)
+        if between:
+            times = np.sort(np.concatenate([times, between]))
+            sides = self._choices.at(times, self._p)
         found: list[JumpInstant] = []
         for k in np.flatnonzero(np.any(_differ(sides[:-1], sides[1:]), axis=1)).tolist():
             low, end = float(times[k]), float(times[k + 1])
@@ -119,6 +139,40 @@ class JumpInstants:
                 found.append(jump)
                 low = jump.high
         return found
+
+    def _turning_back(self, times: np.ndarray, sides: np.ndarray) -> list[float]:
+        """Instants at which a choice is another one than at two neighbouring instants, shape (k,), alike.
+
+        Between these the number that decides turns back beyond a whole number, which is no farther from it
+        than it moves in a step.
+        """
+        numbers = self._choices.numbers(times, self._p)
+        signs = np.sign(np.diff(numbers, axis=0))
+        steps, off = np.abs(np.diff(numbers, axis=0)), np.abs(numbers - np.round(numbers))[1:-1]
+        turns = (signs[:-1] > signs[1:]) | (signs[:-1] < signs[1:])
+        turns &= off <= np.maximum(steps[:-1], steps[1:])
+        turns &= ~_differ(sides[:-2], sides[1:-1]) & ~_differ(sides[1:-1], sides[2:])
+        found = []
+        for k, choice in np.argwhere(turns).tolist():
+            upwards = float(signs[k, choice] or -signs[k + 1, choice])
+            at = self._extremum(float(times[k]), float(times[k + 2]), choice, upwards, sides[k, choice])
+            found += [] if at is None else [at]
+        return found
+
+    def _extremum(self, low: float, high: float, choice: int, upwards: float, side: float) -> float | None:
+        """Where a number is largest between two instants (or least), if the choice is another one there."""
+        for _ in range(MOST_PASSES):
+            times = np.linspace(low, high, PARTS_WITHIN + 1)
+            there = self._choices.at(times, self._p)[:, choice]
+            other = np.flatnonzero((there != side) & ~np.isnan(there))
+            if len(other):
+                return float(times[other[0]])
+            best = int(np.argmax(upwards * self._choices.numbers(times, self._p)[:, choice]))
+            nearer = float(times[max(best - 1, 0)]), float(times[min(best + 1, PARTS_WITHIN)])
+            if nearer == (low, high) or nearer[1] - nearer[0] <= FLAT * self._period:
+                return None
+            low, high = nearer
+        return None
 
     def _first(self, low: float, high: float) -> JumpInstant | None:
         """The first change between two instants, to neighbouring numbers."""
