@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.kinds import kinds_of_test
-from contwalk.continuation.locating import Disagreement, Found, locate
+from contwalk.continuation.locating import Disagreement, Found, accepted, locate
 from contwalk.continuation.segment import Segment
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.problem import PointType, Test
@@ -53,9 +53,12 @@ def _of_kind(segment: Segment, kind: PointType) -> list[Found]:
     for (low, first), (high, last) in pairwise(sorted(known.items())):
         if not (first * last < 0.0 or (last == 0.0 and abs(first) > 0.0)):
             continue
-        if last != 0.0 and _is_pole(value, (low, high), (first, last)):
-            continue
-        found = locate(segment, kind, low, high, value, 0, (first, last))
+        try:
+            if last != 0.0 and _is_pole(value, (low, high), (first, last)):
+                continue
+            found = locate(segment, kind, low, high, value, 0, (first, last))
+        except NotFinite:  # right at such a point there may be no solution to begin at: then beside it
+            found = accepted(segment, kind, segment.at(low), 0, low, high)
         if found is None:
             raise Disagreement(
                 kind, f"The test function of points {kind.label} passes zero, but none is found."

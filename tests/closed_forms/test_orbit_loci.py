@@ -128,14 +128,18 @@ class TestSmoothOrbits:
             [1.0, 0.0, 0.0, 0.0],
             (0.5, 1.2),
             "NS1",
-            {"lam": (0.1, 1.6), "nu": (0.1, 0.7)},
+            {"lam": (0.1, 1.6), "nu": (0.1, 0.84)},
             2.0 * np.pi / 1.5,
         )
-        assert labels(curve) == ["CH", "R3", "R4"]
+        assert labels(curve) == ["CH", "R2", "R3", "R4"]
         assert largest(curve["lam"] - (1.0 - 0.3 * curve["nu"] ** 2)) < WALKED
         assert largest(curve["cos_theta"] - np.cos(2.0 * np.pi / 1.5 * curve["nu"])) < WALKED
-        for label, nu in (("R4", 0.375), ("R3", 0.5), ("CH", 0.44)):
+        for label, nu in (("R4", 0.375), ("R3", 0.5), ("CH", 0.44), ("R2", 0.75)):
             assert_at(curve, label, [(1.0 - 0.3 * nu**2, nu)])
+        # the map turns the plane, by half a turn there: its cosine comes to minus one and turns back
+        (point,) = [p for p in curve.special_points if p.label == "R2"]
+        assert point.kind == "semisimple"
+        assert "the angle turns back" in point.note
 
 
 @cache

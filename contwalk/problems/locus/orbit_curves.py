@@ -15,6 +15,8 @@ from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.locus.flips import Flips
 from contwalk.problems.locus.orbit_conditions import At, pair_system
 from contwalk.problems.locus.orbit_curve import OrbitCurve
+from contwalk.problems.locus.pair_values import NEAR, pair_values
+from contwalk.problems.locus.valued import Valued
 from contwalk.problems.locus.valued_curves import KINDS, BranchPoints, SymmetryBreakings, marked_at
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.points.fold import fold_system
@@ -57,11 +59,13 @@ class Tori(OrbitCurve):
     further: int = 1
     observables = (COSINE,)
 
-    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented | Valued:
         """L(mu) is singular at both.
 
         `further` has the shape (k,).
         """
+        if abs(float(further[0]) + 1.0) < NEAR:
+            return pair_values(near, float(further[0]))
         return pair_system(orbit, near, float(further[0]))
 
     def critical(self, further: np.ndarray) -> np.ndarray:

@@ -37,6 +37,8 @@ class Valued:
         b, a column for each further unknown mu.
     slopes : ndarray, shape (m, N + 2), optional
         Derivatives by (u, second, first), where they are known.
+    by_own : ndarray, shape (m, k), optional
+        Derivatives by the further unknowns, constant; None: the values know nothing of them.
     """
 
     values: Values
@@ -45,6 +47,7 @@ class Valued:
     scale: np.ndarray
     unfolding: np.ndarray
     slopes: np.ndarray | None = None
+    by_own: np.ndarray | None = None
 
     def over(self, plane: Any, z: np.ndarray, own: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Residual, and its derivatives by (u, second, first) and by the further unknowns.
@@ -57,8 +60,9 @@ class Valued:
         residual, jacobian = in_plane(plane, place)
         values = self.values(plane, place)
         slopes = self.differenced(plane, place, jacobian) if self.slopes is None else self.slopes
-        by_own = np.vstack([self.unfolding, np.zeros((len(values), len(own)))])
-        moved = residual + self.unfolding @ own
+        changing = np.zeros((len(values), len(own))) if self.by_own is None else self.by_own
+        by_own = np.vstack([self.unfolding, changing])
+        moved, values = residual + self.unfolding @ own, values + changing @ own
         return np.concatenate([moved, values]), np.vstack([jacobian, slopes]), by_own
 
     def differenced(self, plane: Any, place: np.ndarray, jacobian: np.ndarray) -> np.ndarray:

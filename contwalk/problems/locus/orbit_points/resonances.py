@@ -10,10 +10,14 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.orbit_conditions import pair_system
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint, near_of, together
+from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
 from contwalk.problems.locus.orbit_points.switching import born
+from contwalk.problems.locus.orbit_points.turning_angle import SEMISIMPLE, TURNS_BACK, known_to, turning_angle
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.problem import Sample, Seed, Test
+from contwalk.problems.problem import Located, Sample, Seed, Test
+
+# Where a function is as near to an extremum of zero as it is known, its rate is of the root of that.
+TURNS = 10.0
 
 
 class OnTori(OrbitLocusPoint):
@@ -49,13 +53,44 @@ class R1OnTori(OnTori):
 
 
 class R2OnTori(OnTori):
-    """Both multipliers are minus one: the curve goes on as neutral saddles."""
+    """Both multipliers are minus one: the curve goes on as neutral saddles.
+
+    Or the angle turns back there, as where half an orbit of a symmetric system has a pair i, -i: the whole
+    has a double multiplier with two directions then, and no doublings begin.
+    """
 
     label, cosine = "R2", -1.0
 
+    def value(self, problem: Any, sample: Sample) -> float:
+        """How far the cosine of the angle is from minus one, over its rate along the curve.
+
+        Its sign changes where the cosine passes minus one, and also where it comes there and turns back. An
+        extremum elsewhere is a pole. Right at one, nearer than is known, the rate alone tells.
+        """
+        beyond, rate = super().value(problem, sample), float(sample.tangent[problem.plane.size])
+        known = known_to(problem)
+        if abs(beyond) <= known and abs(rate) <= TURNS * known**0.5:
+            return rate
+        return beyond / rate if rate else float("nan")
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The point at which the angle passes half a turn, or turns back."""
+        return turning_angle(problem, sample, self.cosine) or super().locate(problem, sample, which)
+
+    def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
+        """That of the curve beside a point at which the angle turns back, where nothing else tells it.
+
+        Shape (N + k + 2,).
+        """
+        return near.tangent if "turning" in located.vectors else None
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """What is special of one at which the angle turns back."""
+        return (SEMISIMPLE, {}, TURNS_BACK) if "turning" in located.vectors else (None, {}, None)
+
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of doublings."""
-        return born(problem, point, "PD")
+        """The curve of doublings, where there is one."""
+        return () if point.kind == SEMISIMPLE else born(problem, point, "PD")
 
 
 class R3(OnTori):
