@@ -86,7 +86,8 @@ def margins(
     """
     names, wanted = Names(run), run.margins.basin
     journal = run.file("margins.journal")
-    refuse_existing(names.written(figures), force)
+    # Files beside a journal were being written when the study was stopped.
+    refuse_existing(names.written(figures), force or (resume and journal.exists()))
     _check_journal(journal, resume or force)
     study, modes, notes = study_of(run)
     rays, left_out = rays_of(run, study, modes)

@@ -247,6 +247,25 @@ def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch):
     assert file.read_bytes() == whole
 
 
+def test_a_study_that_was_stopped_while_it_wrote_its_files_goes_on(contwalk, oscillator, monkeypatch):
+    import contwalk.workflow.margins as module
+
+    names = "oscillator_margins.h5", "oscillator_margins.csv"
+
+    def stopped(rows, path):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(module, "_write_table", stopped)
+        assert contwalk("margins", "oscillator.yaml", "--no-figures").code == 130
+    assert [(oscillator / name).exists() for name in names] == [True, False]
+    assert contwalk("margins", "oscillator.yaml", "--no-figures").code == 2
+    assert contwalk("margins", "oscillator.yaml", "--no-figures", "--resume").code == 0
+    resumed = [(oscillator / name).read_bytes() for name in names]
+    assert contwalk("margins", "oscillator.yaml", "--no-figures", "--force").code == 0
+    assert [(oscillator / name).read_bytes() for name in names] == resumed
+
+
 @pytest.mark.parametrize("kept", [0, 3])
 def test_a_study_that_was_killed_while_it_wrote_a_row_goes_on(contwalk, oscillator, kept):
     """What the kill leaves: the rows before, and a part of the one that was being written."""
