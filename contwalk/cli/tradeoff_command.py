@@ -13,13 +13,15 @@ if TYPE_CHECKING:
     from contwalk.workflow.run_file.reading import RunFile
     from contwalk.workflow.tradeoff import Tradeoff
 
-METHODS = ("auto", "dop853", "verner98", "radau5", "radau9")
+METHODS = ("auto", "dop853", "verner98", "radau5", "radau9", "collocation")
 
 
 @click.command("tradeoff")
 @click.argument("file")
 @click.option("--accuracies", metavar="1e-4,1e-6", help="Accuracies to try.  [default: 1e-4,1e-6,1e-8,1e-10]")
-@click.option("--methods", metavar="dop853,auto", help="Integrators to try.  [default: dop853,verner98,auto]")
+@click.option(
+    "--methods", metavar="dop853,auto", help="Integrators, or collocation.  [default: dop853,verner98,auto]"
+)
 @click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Set a value of the run file.")
 @click.option("--output", metavar="X.h5", help="Base of the files' names, instead of the run file's output.")
 @click.option("--force", is_flag=True, help="Replace files that exist.")

@@ -25,6 +25,7 @@ from contwalk.workflow.verifying import points_of, verify
 
 ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10)
 METHODS = ("dop853", "verner98", "auto")
+COLLOCATION = "collocation"
 # Runs shorter than this (s) are timed three times, and the shortest time counts.
 BRIEF, REPEATS = 5.0, 3
 # Times that differ by no more than this factor are equal.
@@ -128,7 +129,8 @@ class Tradeoff:
         best = self.best
         if best is None:
             return f"No setting met the accuracy of {self.wanted:g} that the run file asks for."
-        given = f"accuracy: {best.accuracy:g} with engine: {{method: {best.method}}}"
+        ((key, value),) = setting_of(best.method).items()
+        given = f"accuracy: {best.accuracy:g} with engine: {{{key}: {value}}}"
         kept = next((t for t in self.trials if t.accuracy == self.wanted and t.method == best.method), None)
         text = (
             f"The cheapest setting that met the run file's accuracy of {self.wanted:g} is {given}: "
@@ -208,10 +210,10 @@ def _check(accuracies: Sequence[float]) -> None:
 
 def _ran(run_file: RunFile, accuracy: float, method: str, output: Path) -> tuple[list[Branch], float, int]:
     """Branches, CPU seconds and right-hand sides of the study at these settings."""
-    engine = {key: value for key, value in run_file.engine.items() if key != "tolerance"}
+    engine = {key: value for key, value in run_file.engine.items() if key not in ("tolerance", "method")}
     if method != "auto":
         engine.pop("discretization", None)  # it chooses its methods itself
-    engine["method"] = method
+    engine |= setting_of(method)
     chosen = replace(run_file, accuracy=accuracy, engine=engine, output=output, figures=())
     begun = time.process_time()
     result = run(chosen, force=True, figures=False)
@@ -219,6 +221,11 @@ def _ran(run_file: RunFile, accuracy: float, method: str, output: Path) -> tuple
     if result.interrupted:
         raise KeyboardInterrupt
     return result.branches, seconds, sum(int(branch.cost.get("rhs", 0)) for branch in result.branches)
+
+
+def setting_of(method: str) -> dict[str, str]:
+    """What the engine is asked for: an integrator, or collocation, which is a discretisation with its own."""
+    return {"discretization" if method == COLLOCATION else "method": method}
 
 
 def _checked(

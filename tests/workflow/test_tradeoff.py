@@ -47,7 +47,7 @@ def study(tmp_path_factory):
     (folder / "run.yaml").write_text(RUN, encoding="utf-8")
     run_file = read_run_file(folder / "run.yaml", output=str(folder / "folding.h5"))
     told: list[str] = []
-    return run_file, measure(run_file, (1e-6, 1e-8), ("dop853", "verner98"), told.append), told
+    return run_file, measure(run_file, (1e-6, 1e-8), ("dop853", "collocation"), told.append), told
 
 
 def test_the_truth_is_true(study):
@@ -61,7 +61,7 @@ def test_the_truth_is_true(study):
 def test_every_setting_is_measured(study):
     _, found, told = study
     settings = [(trial.method, trial.accuracy) for trial in found.trials]
-    assert settings == [(m, a) for m in ("dop853", "verner98") for a in (1e-6, 1e-8)]
+    assert settings == [(m, a) for m in ("dop853", "collocation") for a in (1e-6, 1e-8)]
     for trial in found.trials:
         assert trial.held
         assert trial.worst <= trial.accuracy
@@ -76,7 +76,7 @@ def test_table_and_figure(study):
     assert (table, picture) == names_of_files(run_file)
     with table.open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
-    assert [row["method"] for row in rows] == ["dop853", "dop853", "verner98", "verner98"]
+    assert [row["method"] for row in rows] == ["dop853", "dop853", "collocation", "collocation"]
     assert all(float(row["error b2/LP1"]) <= float(row["accuracy"]) for row in rows)
     assert picture.read_bytes().startswith(b"\x89PNG")
 
@@ -106,6 +106,11 @@ def test_the_cheapest_that_meets_the_accuracy_is_recommended():
     assert found.best is not None
     assert found.best.accuracy == 1e-6
     assert "accuracy: 1e-06 with engine: {method: dop853}" in found.recommendation
+
+
+def test_collocation_is_recommended_as_the_discretisation_that_it_is():
+    found = tradeoff(trial(1e-6, 1.0, 1e-8, method="collocation"), trial(1e-6, 2.0, 1e-8))
+    assert "accuracy: 1e-06 with engine: {discretization: collocation}" in found.recommendation
 
 
 def test_a_cheaper_one_that_promises_less_is_said_to():
