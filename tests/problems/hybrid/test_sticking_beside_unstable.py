@@ -63,5 +63,7 @@ def test_the_orbit_that_sticks_is_followed_from_the_point_at_which_the_other_one
     assert sticking.info.signature == ("stops", "goes")
     assert min(sticking["a"]) < 0.8
     assert max(sticking["a"]) == pytest.approx(1.0, abs=1e-6)
-    assert not any(sticking["unstable"][sticking["a"] < 0.9999])  # the point itself is one of the other, too
+    assert not any(sticking["unstable"])  # at the point itself too, where it is one of the other
+    beginning = next(point for point in sticking.special_points if point.label == "GR")
+    assert "unstable at the point itself are 1, on the branch before it 0" in beginning.note
     assert all(cycle["unstable"][1:])  # it is born as the equilibrium
