@@ -130,3 +130,50 @@ def test_tori_are_followed_from_a_resonance_on_folds(tmp_path) -> None:
         (point,) = [p for p in curve.special_points if p.label == "R1"]
         assert abs(point.parameters["alpha"] + 1.0) <= point.errors["alpha"] < 1e-8
     assert any("R11 lies on branch b2" in text for text in notes)
+
+
+QUINTIC = """
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+
+def still(t, x, p, dx):
+    dx[0] = 0.0 * x[0]
+
+
+def clock(t, x, p):
+    return (t % 1.0) - 0.5
+
+
+def kick(t, x, p, x_plus):
+    x_plus[0] = -(1.0 + p.mu) * x[0] + p.nu * x[0] ** 3 + x[0] ** 5
+
+
+SYSTEM = System(
+    "quintic",
+    states=(State("x", scale=1.0),),
+    parameters=(Parameter("mu", -0.1), Parameter("nu", 0.1)),
+    modes=(Mode("still", still),),
+    transitions=(Transition("kick", "still", "still", clock, "rising", reset=kick),),
+    period=lambda p: 1.0,
+)
+"""
+FIFTH = """
+system: ./quintic.py
+start: {simulate: {state: {x: 0.0}, until: settled}}
+continue: {parameter: mu, range: [-0.3, 0.1]}
+diagram: none
+accuracy: 1e-8
+engine: {max_step: 0.4, max_share: 0.2}
+loci: {with: nu, range: [-0.4, 0.2], of: [PD], follow: [GPD]}
+output: quintic.h5
+"""
+
+
+def test_folds_of_doubled_orbits_are_followed_from_a_generalized_doubling(tmp_path) -> None:
+    """x and -x are exchanged where mu = nu x^2 + x^4, which folds where mu = -nu^2 / 4 for negative nu."""
+    _, (_, doublings, folds), _ = studied(tmp_path, "quintic", QUINTIC, FIFTH)
+    assert (doublings.info.settings["of"], folds.info.settings["of"]) == ("PD", "LP")
+    assert {p.label for p in doublings.special_points} == {"GPD", "EP"}
+    assert np.max(np.abs(folds["mu"] + 0.25 * folds["nu"] ** 2)) < 1e-6
+    assert folds["nu"].min() == -0.4
+    assert -0.02 < folds["nu"].max() < 0.0

@@ -89,10 +89,10 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         return None if self.orbit.limited is None else LimitsOnCurve(self.plane, self.curve)
 
     @property
-    def typical_parameters(self) -> np.ndarray:
-        """Typical magnitudes of the second and the first parameter, shape (2,)."""
+    def weights(self) -> np.ndarray:
+        """Typical magnitudes of the unknowns at the place that it was made near, shape (N + k + 2,)."""
         assert self._near is not None
-        return self._near[1][-2:]
+        return self._near[1]
 
     @property
     def diagnosis(self) -> OrbitLocusDiagnosis:

@@ -23,6 +23,7 @@ BORN = (
     "BP",
     "R1",
     "R2",
+    "GPD",
     "LPPD",
     "LPNS",
     "PDNS",

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, where_zero
 from contwalk.problems.orbit import normal_forms
@@ -14,7 +17,7 @@ from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.describing import VANISHES
 from contwalk.problems.orbit.multipliers import GLOBAL
 from contwalk.problems.orbit.normal_forms import SectionMap
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 FIFTH = "the coefficient of fifth order, which tells the sides, is not computed"
 
@@ -79,6 +82,12 @@ class GeneralizedDoubling(VanishingCubic):
     """Period doublings change between super- and subcritical."""
 
     label = "GPD"
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of folds of doubled orbits that is born there."""
+        births: Any = import_module("contwalk.problems.locus.doubled_folds")  # it knows curves of orbits
+        found: Sequence[Seed] = births.folds_of_doubled_orbits(problem, point)
+        return found
 
     def cubic(self, problem: Any, z: np.ndarray, map_: SectionMap) -> float:
         """That of the return map's normal form.

@@ -55,7 +55,7 @@ def _begun(problem: Any, point: SpecialPoint, choose: Any) -> list[Seed]:
     """The curve that `choose` tells of the orbit at a point."""
     z = np.array(point.unknowns)
     there, own = problem.plane.first(z)
-    typical = problem.typical_parameters
+    typical = problem.weights[-2:]
     try:
         orbit = there.finely(own)
         weights = np.append(filled_magnitudes(orbit, own)[:-1], typical[-1])
