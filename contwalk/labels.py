@@ -49,6 +49,7 @@ OF_LOCI = {
     "GRPD": "grazing at a period doubling",
     "GRNS": "grazing at a torus",
     "GRGR": "two grazings",
+    "GRD": "grazing with no second rate",
 }
 EVERY_MEANING = ChainMap(OF_LOCI, MEANINGS)  # in the order of the second, then of the first
 

@@ -44,6 +44,7 @@ MARKERS: dict[str, Any] = {
     "GRPD": (8, 1, 0),
     "GRNS": (9, 1, 0),
     "GRGR": (10, 1, 0),
+    "GRD": (5, 2, 0),
 }
 # Points wide; equal numbers do not look equally large for all shapes.
 SIZES = {"EP": 5.0, "GR": 8.5, "PD": 5.0, "LP": 5.2}

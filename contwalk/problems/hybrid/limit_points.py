@@ -10,8 +10,8 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError, UnsupportedOperation
 from contwalk.flow.events.guard_derivatives import MOST_ORDER
+from contwalk.problems.hybrid import limit_rows
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.margin_values import BELOW, LITTLE, at_entry, largest
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.view import LegView
@@ -20,10 +20,7 @@ from contwalk.problems.orbit.augmented import Near
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.discretization import SOLVED
 from contwalk.problems.orbit.itinerary import imaged_leg
-from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.solving import newton_on
-from contwalk.problems.orbit.watching import Watched
 from contwalk.problems.problem import Located, Sample
 from contwalk.system import Transition
 
@@ -36,8 +33,6 @@ BESIDE, NEAR = 1e-4, 1e-2
 # Of what typical changes of the states make of a guard: its rounding, a rate that is no more than that, and
 # what one that turns within a little time changes by at most in the closure's.
 ROUNDED, STILL, SLOWLY = 1e-13, 1e-8, 0.1
-# An instant that lies beyond this part of a segment is looked at from its start.
-AFTER = 0.1
 
 
 def nearest(problem: DiscretizedOrbit, point: SpecialPoint) -> int:
@@ -55,11 +50,16 @@ def nearest(problem: DiscretizedOrbit, point: SpecialPoint) -> int:
     fitting = [k for k, limit in enumerate(found.limits) if fits(limit)]
     off = {k: abs(float(found.relative[k])) for k in fitting if np.isfinite(found.values[k])}
     best = min(off, key=lambda k: (off[k], found.limits[k].rank), default=None)
+    if best is not None and off[best] <= HIDDEN:  # an event that arrives with no rate dips there as well
+        own = found.limits[best]
+        alike = [k for k in off if (found.limits[k].name, found.limits[k].leg) == (own.name, own.leg)]
+        best = min((k for k in alike if off[k] <= HIDDEN), key=lambda k: (found.limits[k].rank, off[k]))
     if best is None or off[best] > HIDDEN:
         # A guard that is zero at a leg's start or end is left out of the margins just there.
         left_out = [k for k in fitting if k not in off and found.limits[k].test in ("start", "end")]
         shown = _beside(problem, z, np.array(point.tangent), left_out)
-        best = min(shown, key=lambda k: (shown[k], found.limits[k].rank), default=best)
+        near = best if best is not None and off[best] < NEAR else None
+        best = min(shown, key=lambda k: (shown[k], found.limits[k].rank), default=near)
     if best is None:
         raise StartError(f"{point.label} at {dict(point.parameters)} is no limit of these orbits.", "")
     return best
@@ -118,7 +118,7 @@ def system_of(
     def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         z = y[: size + 1]
         own = there.linearize(z)
-        values, rows = _rows(there, limit, y, share)
+        values, rows = limit_rows.rows_of(there, limit, y, share)
         jacobian = np.zeros((size + len(values), len(y)))
         jacobian[:size, : size + 1] = own.jacobian
         jacobian[size:] = rows
@@ -315,86 +315,3 @@ def _starting(
     value, slopes = float(values[0]), derivative[0].copy()
     slopes[n] = 0.0
     return value, slopes
-
-
-def _rows(
-    problem: DiscretizedOrbit, limit: Limit, y: np.ndarray, share: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals of a limit's equations, and their derivatives by all unknowns."""
-    i, size, layout = limit.leg, problem.size, problem.layout
-    if limit.test == "duration":
-        row = np.zeros((1, len(y)))
-        row[0, layout.durations.start + i] = 1.0
-        return y[layout.durations.start + i, None], row
-    z, piece = y[: size + 1], problem.pieces[i]
-    x, scalars = layout.inputs(i, z)
-    if limit.test == "condition":
-        map_ = piece.passage.condition(next(c for c in problem.system.conditions if c.name == limit.name))
-        piece, x, scalars = _ending(problem, i, z)
-        end, moved = piece.before_differentiated(PLAIN, x, scalars)
-        values, derivative = piece.through_map(map_, end, moved, piece.values(scalars))
-        return values, layout.along(layout.segments_of(i)[-1], derivative)
-    transition = transition_of(problem, limit)
-    if limit.test == "leaving":
-        map_ = piece.passage.guard_derivative(transition, 2)
-        c = map_.constants(piece.values(scalars))
-        value, derivative = map_.linearized(0.0, x, c)
-        return value, layout.spread(i, derivative)
-    watched = piece.passage.watched(transition.name, transition.guard)
-    if limit.test in ("start", "past"):
-        there, slopes = at_entry(piece, transition, x, scalars)
-        return np.array([there]), layout.spread(i, slopes[None])
-    if limit.test == "dip":
-        return _touching(problem, i, y, share, watched)
-    piece, x, scalars = _ending(problem, i, z)
-    end, moved = piece.before_differentiated(PLAIN, x, scalars)
-    values, derivative = watched.differentiated(1.0, end, moved, piece.values(scalars))
-    k = 1 if limit.test == "rate" else 0
-    return values[k : k + 1], layout.along(layout.segments_of(i)[-1], derivative[k : k + 1])
-
-
-def _ending(problem: DiscretizedOrbit, i: int, z: np.ndarray) -> tuple[Piece, np.ndarray, np.ndarray]:
-    """The last segment of leg i, with its state and scalars."""
-    layout = problem.layout
-    last = sum(layout.cuts[: i + 1]) - 1
-    return problem.segments[last], *layout.inputs_of(layout.segments[last], z)
-
-
-def _touching(
-    problem: DiscretizedOrbit, i: int, y: np.ndarray, share: float, watched: Watched
-) -> tuple[np.ndarray, np.ndarray]:
-    """A guard and its rate at the last unknown, an instant of leg i near a share of it, with derivatives.
-
-    The motion is that of the segment in which it lies, from its start up to there.
-    """
-    layout, size = problem.layout, problem.size
-    first = sum(layout.cuts[:i])
-    # One at the very start of a segment is looked at from the one before: motions of no time tell no rate.
-    within = [
-        k for k, own in enumerate(layout.segments_of(i)) if own.begin < share - AFTER * (own.end - own.begin)
-    ]
-    number = first + max(within, default=0)
-    segment, piece = layout.segments[number], problem.segments[number]
-    x, scalars = layout.inputs_of(segment, y[: size + 1])
-    n, lasting = len(x), float(y[layout.durations.start + i])
-    share = (share - segment.begin) / (segment.end - segment.begin)
-    inside = piece.steps[1:][piece.steps[1:] < share - 1e-12] / max(share, 1e-12)
-    piece = Piece(piece.passage, np.concatenate([[0.0], inside, [1.0]]), piece.method, piece.fixed)
-    since = y[-1] - segment.begin * lasting if number > first else y[-1]
-    scalars = np.concatenate([[since], scalars[1:]])
-    end, moved = piece.before_differentiated(PLAIN, x, scalars)
-    values, derivative = watched.differentiated(1.0, end, moved, piece.values(scalars))
-    by_time = derivative[:, n].copy()
-    derivative[:, n] = 0.0
-    rows = layout.along(segment, derivative)
-    if number > first:  # a longer leg lets its segment begin later
-        rows[:, layout.durations.start + i] -= segment.begin * by_time
-    return values, np.hstack([rows, by_time[:, None]])
-
-
-def growth(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, direction: np.ndarray) -> float:
-    """How fast along a direction a leg's duration grows, or its guard goes past zero where it begins."""
-    row = float(_rows(problem, limit, z, 0.0)[1][0] @ direction)
-    if limit.test == "duration":
-        return row
-    return row if transition_of(problem, limit).direction == "rising" else -row

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -60,9 +61,20 @@ def locus_at(
     there = plane.on_lines(np.array([second, first]))[0].at_stored(near, scale)
     plane = OrbitPlane(there, free)
     there = plane.on_lines(np.array([second, first]))[0]
-    curve, further = begun_at(there, point, At(near, scale, typical[free[1]]), free)
+    placed = _along_first(point, near, facts.free == first_name)
+    curve, further = begun_at(there, placed, At(near, scale, typical[free[1]]), free)
     z = np.concatenate([own, further, [second, first]])
     known = np.concatenate(
         [weights[:-1], np.where(further == 0.0, 1.0, np.abs(further)), [typical[free[1]]], scale[-1:]]
     )
     return OrbitLocus(plane, curve, (z, known)), z
+
+
+def _along_first(point: SpecialPoint, near: np.ndarray, same: bool) -> SpecialPoint:
+    """A point of a branch as one of orbits on the line along the first parameter, whose unknowns are `near`.
+
+    Of a branch along another parameter (not the `same`) the tangent is known but for what that moves. `near`
+    has the shape (N + 1,).
+    """
+    tangent = point.tangent if same else (*point.tangent[:-1], 0.0)
+    return replace(point, unknowns=tuple(near.tolist()), tangent=tangent)

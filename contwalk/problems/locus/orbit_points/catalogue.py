@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contwalk.problems.locus.orbit_points.cubic import Chenciner, GeneralizedDoubling
 from contwalk.problems.locus.orbit_points.cusp import CuspOfCycles
+from contwalk.problems.locus.orbit_points.degenerate_grazing import DegenerateGrazing
 from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
 from contwalk.problems.locus.orbit_points.marked_value import CountChange, Crossing, EndPoint, MarkedValue
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
@@ -51,6 +52,7 @@ POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
         TwoAtOnce("GRLP", "LP"),
         TwoAtOnce("GRPD", "PD"),
         TwoAtOnce("GRNS", "NS"),
+        DegenerateGrazing(),
         *LIMITS_ON["GR"].values(),
         *_OF_ALL,
     ),
