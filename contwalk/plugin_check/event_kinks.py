@@ -32,9 +32,11 @@ PAIRS, PLACES = 8, 24
 NEXT = 4.0
 
 
-def check_event_kinks(report: Report, happening: Happening, system: System, samples: Samples) -> None:
+def check_event_kinks(
+    report: Report, happening: Happening, reset: Traced | None, system: System, samples: Samples
+) -> None:
     """Tell of jumps of a transition's guard and reset, and of their slopes, between states at the event."""
-    end = _end_map(happening, traced_reset(Report(), happening.transition, system), system, samples)
+    end = _end_map(happening, reset, system, samples)
     if end is None or _lies_on_a_jump(report, happening, end):
         return
     places = _places(happening)[: PAIRS + 1]
@@ -55,13 +57,17 @@ def check_told_kinks(report: Report, happening: Happening, system: System, sampl
     transition = happening.transition
     if transition.role == "watched" or not happening.before:
         return
-    reset = traced_reset(Report(), transition, system)
     places = _places(happening)[: PAIRS + 1]
+    told = [
+        (after, end)
+        for of, mode, after, function in _told_there(transition, system)
+        if (end := _map({of: function}, mode, places, system, samples, acts=False)) is not None
+    ]
+    if not told:  # nothing chooses, as on most machines
+        return
+    reset = traced_reset(Report(), transition, system)
     pieces = [piece for ends in pairwise(places) for piece in _pieces(happening, *ends, samples)]
-    for of, mode, after, function in _told_there(transition, system):
-        end = _map({of: function}, mode, places, system, samples, acts=False)
-        if end is None:
-            continue
+    for after, end in told:
         moved = [[_landed(reset, place, samples) for place in piece] if after else piece for piece in pieces]
         for kink in dict.fromkeys(met.kink for a, b in moved for met in between(end, a, b)):
             sentence = (

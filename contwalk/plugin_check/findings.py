@@ -51,11 +51,13 @@ class Report:
 
     model: str = ""
     findings: list[Finding] = field(default_factory=list)
+    _noted: set[Finding] = field(default_factory=set, init=False, repr=False)
 
     def add(self, level: str, what: str, sentence: str, place: Place = NOWHERE) -> None:
         """Note a finding, once."""
         finding = Finding(level, what, " ".join(sentence.split()), *place, model=self.model)
-        if finding not in self.findings:
+        if finding not in self._noted:
+            self._noted.add(finding)
             self.findings.append(finding)
 
     def ok(self, what: str, sentence: str, place: Place = NOWHERE) -> None:

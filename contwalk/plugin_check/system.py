@@ -110,10 +110,10 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
             happenings.append(happening)
     for happening in happenings:
         field = fields[happening.transition.source]
-        check_event_kinks(report, happening, system, samples)
+        reset = traced_reset(Report(), happening.transition, system)
+        check_event_kinks(report, happening, reset, system, samples)
         check_told_kinks(report, happening, system, samples)
         check_jumps_in_time(report, happening, samples, period)
-        reset = traced_reset(Report(), happening.transition, system)
         named, source = f"of transition '{happening.transition.name}'", happening.transition.source
         check_parameter_kinks(report, f"guard {named}", happening.guard, samples, source)
         if reset is not None:

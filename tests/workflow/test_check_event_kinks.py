@@ -6,6 +6,7 @@ import pytest
 from arm_machine import ARM
 from checked_plugins import line_of
 
+from contwalk.plugin_check import event_kinks
 from contwalk.plugin_check.system import check_reference
 
 
@@ -75,3 +76,13 @@ def test_field_that_jumps_in_time_is_told_as_a_run_refuses_it(tmp_path):
     assert level == "warning"
     assert "an orbit that crosses this place is refused" in sentence
     assert line == line_of(source, "dx[1] = p.force")
+
+
+def test_places_on_a_guard_are_asked_for_only_where_something_chooses(tmp_path, monkeypatch):
+    """They took a fifth of the time of all checks of a machine of 200 modes that is smooth at its events."""
+    asked = []
+    monkeypatch.setattr(event_kinks, "_pieces", lambda *given: asked.append(given) or [])
+    told(tmp_path)
+    assert not asked
+    told(tmp_path, ("speed = x[1]", "speed = max(x[1], 0.5 * x[1] + 0.2)"))
+    assert asked
