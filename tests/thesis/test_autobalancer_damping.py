@@ -86,6 +86,17 @@ def test_borders_of_the_maps_hold_in_40_digits(name, free, sweep):
         assert_exact(point, free)
 
 
+def test_the_border_of_fig_12_as_a_curve_of_hopf_points():
+    (_, border) = figure_run("autobalancer_border_chart")
+    assert (border["c"].min(), border["c"].max()) == (0.1, 6.0)
+    known = border.special_points[0].parameters
+    for row in range(0, len(border["c"]), 12):
+        there = {**known, "c": border["c"][row], "delta": border["delta"][row]}
+        at, frequency = exact_hopf(there, "delta", border["frequency_squared"][row] ** 0.5)
+        assert border["delta"][row] == pytest.approx(float(at), rel=1e-12)
+        assert border["frequency_squared"][row] == pytest.approx(float(frequency) ** 2, rel=1e-11)
+
+
 @pytest.mark.parametrize("damping", [0.5, 2.0, 6.0])
 def test_heavier_masses_need_more_drag(system, damping):
     # Fig. 12: at every c the border lies the higher the heavier the masses, their moment m1 l1 the same.
