@@ -17,8 +17,9 @@ from contwalk.special_point import allowed_error
 
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
 RESONANT = 1e-6
-# A coefficient this small is zero: deviations as large as the orbit would do nothing.
-VANISHES = 1e-9
+# A coefficient this small is zero: deviations as large as the orbit, or as the states on it where they move
+# little (the ripple of a converter), would do nothing. Below the last no derivative tells it from rounding.
+VANISHES, ROUNDED = 1e-9, 1e-13
 # How well a coefficient is known is told by steps of this many times the tolerance: some ten times its error.
 COARSER = 10.0
 # Multipliers that meet are known to the root of rounding only.
@@ -113,9 +114,18 @@ def known(
     return {**found, f"{name}_error": error} if np.isfinite(error) else found
 
 
-def criticality_of(coefficient: float, error: float | None) -> tuple[str | None, str | None]:
-    """Criticality by the sign of a coefficient, and a note where it vanishes."""
-    if abs(coefficient) < VANISHES:
+def negligible(problem: OrbitData, located: Located, value: complex) -> float:
+    """Below what a cubic coefficient of a critical multiplier is zero, as of a linear system."""
+    map_ = problem.return_map(located.z)
+    reach = map_.reach(map_.critical(value)[0])
+    return max(VANISHES / max(reach, 1.0) ** 2, ROUNDED)
+
+
+def criticality_of(
+    coefficient: float, error: float | None, least: float = VANISHES
+) -> tuple[str | None, str | None]:
+    """Criticality by the sign of a coefficient, and a note where it vanishes; `least` as of `negligible`."""
+    if abs(coefficient) < least:
         return None, "degenerate: the cubic coefficient is zero, as of a linear system"
     if error is not None and abs(coefficient) <= error:
         return None, "degenerate: the cubic coefficient is zero to its error"

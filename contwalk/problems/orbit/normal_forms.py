@@ -64,6 +64,10 @@ class SectionMap(ABC):
     def size(self, q: np.ndarray) -> float:
         """Root mean square over the closure of the deviation that starts as q, across the flow."""
 
+    @abstractmethod
+    def reach(self, q: np.ndarray) -> float:
+        """How many times q, shape (r,), moves a state by its largest value on the orbit, at the section."""
+
     def critical(self, value: complex) -> tuple[np.ndarray, np.ndarray]:
         """q and p of an eigenvalue of A, |q| = 1 over the orbit and p @ q = 1; the largest entry of q is
         positive.

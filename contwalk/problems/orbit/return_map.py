@@ -196,6 +196,15 @@ class ReturnMap(SectionMap):
         parts = [q.real, q.imag] if np.iscomplexobj(q) else [q]
         return float(np.sqrt(sum(self._mean_square(self.basis @ part) for part in parts)))
 
+    def reach(self, q: np.ndarray) -> float:
+        """How many times q, shape (r,), moves a state by its largest value on the orbit, at the section."""
+        own = list(self.problem.passages[self.first].states)
+        moved = np.abs(self.basis @ q)[: len(own)]
+        sizes = np.nanmax(np.abs(self.problem.motion_of(self.z)[1][:, own]), axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            largest = np.nanmax(moved / sizes)
+        return float(1.0 / largest) if largest > 0.0 else 1.0
+
     def _mean_square(self, v: np.ndarray) -> float:
         problem, layout = self.problem, self.problem.layout
         chain = monodromy.chain(problem, problem.linearize(self.z).jacobian)

@@ -12,7 +12,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit import branching, normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known
+from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known, negligible
 from contwalk.problems.orbit.null_vectors import critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
@@ -72,7 +72,7 @@ def _branch_point(problem: OrbitData, located: Located, sample: Sample) -> Form:
     returned_to_parent = bool(located.vectors.get("returned_to_parent"))
     if c["c11"] != 0.0 and not returned_to_parent:
         return "transcritical", None, c, None
-    criticality, vanishes = criticality_of(c["c"], c.get("c_error"))
+    criticality, vanishes = criticality_of(c["c"], c.get("c_error"), negligible(problem, located, 1.0))
     if returned_to_parent:  # no coefficients: nothing leaves here that the parent's own point does not tell
         return "pitchfork", criticality, {}, "; ".join(filter(None, (FALLEN_BACK, vanishes)))
     return "pitchfork", criticality, c, vanishes

@@ -10,7 +10,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit import normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.orbit.describing import Form, criticality_of, known
+from contwalk.problems.orbit.describing import Form, criticality_of, known, negligible
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
@@ -53,7 +53,8 @@ def _form(problem: OrbitData, located: Located, sample: Sample) -> Form:
     _, fold = problem.whole
     if fold > 1:
         coefficients["theta_full"] = float(abs(np.angle(np.exp(1j * fold * theta))))
-    criticality, vanishes = criticality_of(coefficients["d"], coefficients.get("d_error"))
+    least = negligible(problem, located, np.exp(1j * theta))
+    criticality, vanishes = criticality_of(coefficients["d"], coefficients.get("d_error"), least)
     return None, criticality, coefficients, vanishes
 
 

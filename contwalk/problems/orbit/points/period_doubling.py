@@ -12,7 +12,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit import normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented, Near
-from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known
+from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known, negligible
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
@@ -51,7 +51,9 @@ class PeriodDoubling(_Flip):
     def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """The cubic coefficient, and the side to which the doubled orbit leaves."""
         coefficients = known(problem, located, sample, "c", normal_forms.flip)
-        criticality, vanishes = criticality_of(-coefficients["c"], coefficients.get("c_error"))
+        criticality, vanishes = criticality_of(
+            -coefficients["c"], coefficients.get("c_error"), negligible(problem, located, -1.0)
+        )
         return None, criticality, coefficients, vanishes
 
     def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
@@ -73,7 +75,9 @@ class SymmetryBreaking(_Flip):
     def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """As of a doubling; of the whole orbit it is a pitchfork."""
         coefficients = known(problem, located, sample, "c", normal_forms.flip)
-        criticality, vanishes = criticality_of(-coefficients["c"], coefficients.get("c_error"))
+        criticality, vanishes = criticality_of(
+            -coefficients["c"], coefficients.get("c_error"), negligible(problem, located, -1.0)
+        )
         note = vanishes or f"the orbits that leave have lost '{problem.whole[0]}'"
         return "symmetry-breaking", criticality, coefficients, note
 
