@@ -23,7 +23,7 @@ TURNS_BACK = (
     "symmetric system has the multipliers i and -i; no curve of doublings begins"
 )
 # How far beside the point solutions are interpolated between, in the metric.
-BESIDE = 1e-2
+BESIDE = 5e-3
 PLACES = BESIDE * np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
 # How far from a solution an extremum is looked for.
 FARTHEST = 0.3
@@ -55,11 +55,13 @@ def turning_angle(problem: Any, sample: Sample, cosine: float) -> Located | None
     place, rougher = _extremum(PLACES, values), _extremum(PLACES[1:-1], values[1:-1])
     if place is None or rougher is None:
         return None
-    z = _interpolated(PLACES, np.array(solved), place)
+    z, inner = _interpolated(PLACES, np.array(solved), place), np.array(solved[1:-1])
     least, known = float(problem.further(z)[0]) - cosine, known_to(there)
-    if abs(least) > SURE * known:
+    interpolated = float(np.abs(problem.further(z - _interpolated(PLACES[1:-1], inner, place)))[0])
+    if abs(least) > SURE * known + interpolated:
         return None
-    off = 2.0 * abs(place - rougher) + known / BESIDE
+    curvature = 2.0 * abs(float(np.polyfit(PLACES, values, 2)[0]))
+    off = 2.0 * abs(place - rougher) + known / (curvature * BESIDE)
     errors = np.abs(off * sample.tangent[-2:]) + known * sample.weights[-2:]
     second, first = problem.plane.free[1], problem.plane.free[0]
     named = {first: float(errors[1]), second: float(errors[0])}
