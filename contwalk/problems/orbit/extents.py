@@ -12,6 +12,9 @@ import numpy as np
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.sample import Sample
 
+# The part of its way that a state weighs as: with the whole of it, steps through the explosion of a cycle
+# that is carried from one Hopf point to another are too long.
+OF_THE_WAY = 0.25
 # A state that moves less than this part of its size over an orbit tells nothing of how orbits weigh.
 STANDS = 1e-13
 
@@ -24,10 +27,10 @@ def extent_of(states: np.ndarray) -> np.ndarray:
 def sizes_since(orbit: OrbitData, sample: Sample, begun: Sample) -> np.ndarray:
     """What weights of the metric grow with, shape (N + 1,), of an orbit on a branch that began elsewhere.
 
-    A state's is half its range over the orbit, or how far the middle of that range has moved since the
-    beginning. Where the middles of all states move farther than any of them over an orbit, as those of small
-    cycles, they are shortened alike, so that one state at least weighs as over its orbit: else arclength
-    would not tell what becomes of the cycles.
+    A state's is half its range over the orbit, or a quarter of how far the middle of that range has moved
+    since the beginning. Where these ways of all states are longer than what any moves over an orbit, as of
+    small cycles, they are shortened alike, so that one state at least weighs as over its orbit: else
+    arclength would not tell what becomes of the cycles.
     """
     assert sample.sizes is not None
     if sample.extent is None or begun.extent is None:
@@ -37,7 +40,7 @@ def sizes_since(orbit: OrbitData, sample: Sample, begun: Sample) -> np.ndarray:
     if not np.any(tells):
         return sample.sizes
     with np.errstate(divide="ignore"):
-        share = min(float((half[tells] / moved[tells]).max()), 1.0)
+        share = min(float((half[tells] / moved[tells]).max()), OF_THE_WAY)
     declared = np.array([state.scale is not None for state in orbit.system.states])
     along, result = orbit.weighted(np.where(declared, 0.0, share * moved)), sample.sizes.copy()
     for place, _ in orbit.places:
