@@ -82,7 +82,8 @@ def seeds(
     there = discretized(problem, z)
     weights = filled_magnitudes(there, z)
     told: list[str] = []
-    for trial in _trials(there, z, outward, weights, visited):
+    across = _across(there, z, outward, weights) if point.label == "GR" else None
+    for trial in _trials(there, z, outward, across, visited):
         guess = z + trial.step * trial.way / float(np.linalg.norm(trial.way / weights))
         try:
             seed = _simulated(there, guess, trial, point.label)
@@ -110,13 +111,15 @@ def _trials(
     problem: DiscretizedOrbit,
     z: np.ndarray,
     outward: np.ndarray,
-    weights: np.ndarray,
+    across: np.ndarray | None,
     visited: Begin | None,
 ) -> Iterator[Trial]:
-    """What is tried, the way along the branch first. All have the shape (N + 1,)."""
+    """What is tried, the way along the branch first; `across` the one of the parameter alone.
+
+    All have the shape (N + 1,).
+    """
     for step in STEPS:
         yield Trial("A little beyond, the motion has the signature", outward, step)
-    across = _across(problem, z, outward, weights)
     if across is not None:
         words = f"A little beyond in '{problem.free}', the motion settles on an orbit of signature"
         for step in STEPS[:2]:

@@ -82,8 +82,8 @@ PEER = Peer(
             },
             values=(
                 Value("PD", 0.494256698369, 1e-12, SHOOTING, of="orbit", criticality="supercritical"),
-                # The current comes to its reference just at a tick, and stays on for all of the next cycle.
-                Value("OC", 0.643705585012, 1e-12, SHOOTING, of="orbit", times=2),
+                # The current comes to its reference just at a tick; beyond, it is on for all of the next.
+                Value("OC", 0.643705585012, 1e-12, SHOOTING, of="orbit", kind="corner"),
             ),
         ),
     ),

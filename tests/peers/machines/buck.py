@@ -77,7 +77,7 @@ PEER = Peer(
             values=(
                 Value("PD", 24.5165728285633787, 1e-15, EXPONENTIALS, of="orbit"),
                 Value("PD", 31.1179020067707, 1e-13, SHOOTING, of="orbit", period=8e-4),
-                Value("OC", 36.353237064076765, 1e-15, EXPONENTIALS, of="orbit", kind="crossing"),
+                Value("OC", 36.353237064076765, 1e-15, EXPONENTIALS, of="orbit", kind="corner"),
             ),
             endings=(
                 Ending("order_change", "a cycle is skipped beyond", 36.353237064076765, 1e-8),
