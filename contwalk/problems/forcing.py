@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contwalk.errors import PluginError, called
+from contwalk.errors import NotFinite, PluginError, called
 from contwalk.python_functions import line_of
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
@@ -19,8 +19,15 @@ def period_at(system: System, parameters: Mapping[str, float]) -> float:
     ------
     PluginError
         If there is no such time at these parameters.
+    NotFinite
+        If one of these is no number: a correction has left all there is, and the plugin is not to blame.
     """
     assert system.period is not None
+    for name, value in parameters.items():
+        if not np.isfinite(value):
+            raise NotFinite(
+                f"The parameter '{name}' is {value} there.", "Nothing to mend: a shorter step is taken."
+            )
     return positive(system, float(called("period", system.period, ParameterValues(**parameters))))
 
 

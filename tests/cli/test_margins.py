@@ -320,6 +320,8 @@ def test_what_is_unstable_is_refused(contwalk, folder):
         ("margins.of.from=.", "of.from", "a directory"),
         ("margins.states=[y]", "states", "not a state of 'oscillator'"),
         ("margins.states=[]", "states", "is empty"),
+        ("margins.states=[x, v, x]", "states", "has x twice"),
+        ("margins.instants=[0.1, 0.3, 0.1]", "instants", "has 0.1 twice"),
         ("margins.instants=0", "instants", "a whole number from 1 to 1000"),
         ("margins.instants=[0.5, 1.0]", "instants", "has 1."),
         ("margins.instants=[.nan]", "instants", "not finite"),

@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 import contwalk as cw
+from contwalk.errors import NotFinite
+from contwalk.problems.forcing import period_at
 
 # A driven mass; with a stop in its way it is a machine with events.
 PLUGIN = """\
@@ -70,3 +72,9 @@ def test_a_start_without_a_period_is_refused(tmp_path, period, events, start):
     # With numbers a root of a negative one raises; with symbols it is NaN.
     told = [f"{LINE}period(p) is", f"{INSIDE}ValueError: math domain error"]
     assert any(words in branch.outcome.message for words in told)
+
+
+def test_a_parameter_that_is_no_number_is_not_the_plugin_s_fault(tmp_path):
+    (tmp_path / "driven.py").write_text(PLUGIN.format(period=NEGATIVE, events=""))
+    with pytest.raises(NotFinite, match="'r' is nan"):
+        period_at(cw.load_system(str(tmp_path / "driven.py")), {"r": float("nan")})

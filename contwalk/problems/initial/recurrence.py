@@ -21,6 +21,8 @@ from contwalk.problems.orbit.traced_leg import ScalarInputs
 from contwalk.system import State, System
 
 TOLERANCE = 1e-9
+# A state that varies by less stands still: squares of such numbers underflow.
+LEAST_VARIATION = 1e-150
 # A return this near, in units of the motion's range, is one; Newton's method does the rest.
 RETURNED = 1e-4
 # Simulated stretches, each so many steps long at most, before the search is given up.
@@ -205,7 +207,7 @@ def _return(
     simulation: Simulation, run: Choice, variation: np.ndarray, forced: bool
 ) -> tuple[np.ndarray, float] | None:
     """State and time of the first near return in the later half of a path to a point of it."""
-    scale = np.where(variation > 0.0, variation, 1.0)
+    scale = np.where(variation > LEAST_VARIATION, variation, 1.0)
     turns = np.array([s.period or 0.0 for s in simulation.states])
     begin, end = float(run.path.times[0]), float(run.path.times[-1])
     if forced:

@@ -81,6 +81,9 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
                 f"'{name}' is not a state of '{system.name}'.",
                 allowed(system.state_names, name),
             )
+    _check_repeated(problems, "states", wanted.states)
+    if not isinstance(wanted.instants, int):
+        _check_repeated(problems, "instants", wanted.instants)
     for name, shares in wanted.directions.items():
         _check_direction(problems, system, name, shares)
     if wanted.basin is not None:
@@ -108,6 +111,13 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
         output=Path(output or model.output or f"{Path(path).stem}.h5"),
         document=problems.document,
     )
+
+
+def _check_repeated(problems: Problems, key: str, given: Sequence[object]) -> None:
+    """Each is pushed once: a second row would be the first."""
+    twice = [value for k, value in enumerate(given) if value in given[:k]]
+    if twice:
+        problems.add(("margins", key), f"has {twice[0]} twice.", "Give each once.")
 
 
 def _check_direction(problems: Problems, system: System, name: str, shares: Mapping[str, float]) -> None:
