@@ -82,8 +82,7 @@ def seeds(
     there = discretized(problem, z)
     weights = filled_magnitudes(there, z)
     told: list[str] = []
-    across = _across(there, z, outward, weights) if point.label == "GR" else None
-    for trial in _trials(there, z, outward, across, visited):
+    for trial in _trials(there, z, outward, weights, point.label, visited):
         guess = z + trial.step * trial.way / float(np.linalg.norm(trial.way / weights))
         try:
             seed = _simulated(there, guess, trial, point.label)
@@ -111,15 +110,17 @@ def _trials(
     problem: DiscretizedOrbit,
     z: np.ndarray,
     outward: np.ndarray,
-    across: np.ndarray | None,
+    weights: np.ndarray,
+    label: str,
     visited: Begin | None,
 ) -> Iterator[Trial]:
-    """What is tried, the way along the branch first; `across` the one of the parameter alone.
+    """What is tried, the way along the branch first; beyond a grazing also the one of the parameter alone.
 
     All have the shape (N + 1,).
     """
     for step in STEPS:
         yield Trial("A little beyond, the motion has the signature", outward, step)
+    across = _across(problem, z, outward, weights) if label == "GR" else None
     if across is not None:
         words = f"A little beyond in '{problem.free}', the motion settles on an orbit of signature"
         for step in STEPS[:2]:

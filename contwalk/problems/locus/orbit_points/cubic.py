@@ -11,11 +11,10 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, where_zero
+from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, known_to, where_zero
 from contwalk.problems.orbit import normal_forms
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.describing import VANISHES
-from contwalk.problems.orbit.multipliers import GLOBAL
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
@@ -37,8 +36,8 @@ class VanishingCubic(OrbitLocusPoint):
 
         Of area-preserving maps it is zero all along, and signs of errors tell nothing.
         """
-        found, mesh = self._at(problem, sample.z), problem.mesh
-        return 0.0 if abs(found) <= max(VANISHES, GLOBAL * mesh.amplified * mesh.tolerance) else found
+        found = self._at(problem, sample.z)
+        return 0.0 if abs(found) <= max(VANISHES, known_to(problem)) else found
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The point of the curve at which it vanishes."""

@@ -12,6 +12,7 @@ from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held, evaluated
 from contwalk.problems.orbit.augmented import Augmented, along
+from contwalk.problems.orbit.multipliers import GLOBAL
 from contwalk.problems.problem import Located, PointType, Sample
 
 # How far along the curve a function is looked at for its slope, in the metric.
@@ -81,6 +82,12 @@ class OrbitLocusPoint(PointType):
             unknowns=tuple(z.tolist()),
             tangent=tuple(sample.tangent.tolist()),
         )
+
+
+def known_to(problem: Any) -> float:
+    """What multipliers, and what is made of them, are known to on the steps of a curve."""
+    mesh = problem.mesh
+    return float(GLOBAL * mesh.amplified * mesh.tolerance)
 
 
 def near_of(problem: Any, sample: Sample, own: np.ndarray) -> At:

@@ -10,9 +10,9 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.orbit_conditions import pair_system
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
+from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, known_to, near_of, together
 from contwalk.problems.locus.orbit_points.switching import born
-from contwalk.problems.locus.orbit_points.turning_angle import SEMISIMPLE, TURNS_BACK, known_to, turning_angle
+from contwalk.problems.locus.orbit_points.turning_angle import SEMISIMPLE, TURNS_BACK, turning_angle
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import Located, Sample, Seed, Test
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import ContwalkError
-from contwalk.problems.orbit.multipliers import GLOBAL
+from contwalk.problems.locus.orbit_points.point import known_to
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Located, Sample
 
@@ -29,12 +29,6 @@ PLACES = BESIDE * np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
 FARTHEST = 0.3
 # An extremum this many times nearer to minus one than it is known is there.
 SURE = 10.0
-
-
-def known_to(problem: Any) -> float:
-    """What the cosine of the angle is known to on the steps of a curve."""
-    mesh = problem.mesh
-    return float(GLOBAL * mesh.amplified * mesh.tolerance)
 
 
 def turning_angle(problem: Any, sample: Sample, cosine: float) -> Located | None:
