@@ -1,6 +1,7 @@
 # make demo   a first study: bifurcation diagram of the autobalancer, left in demo/
-# make test   all tests
-# make check  tests, lint, format, types and import directions
+# make test   the tests, in some minutes
+# make slow   the slow ones: whole studies, killed runs, peers
+# make check  all tests, lint, format, types and import directions
 # make bench  what continuing costs, beside peers: docs/benchmarks.md
 # make docs   the picture and the table of modules in docs/, from the code
 #
@@ -14,7 +15,7 @@ TEST_OPTIONS ?=
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo test check bench docs static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo test slow check bench docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -41,12 +42,17 @@ demo: install
 	@echo "The command contwalk is at hand after: . $(BIN)/activate"
 
 # The tests of a file share studies: in one process each study is computed once.
+PYTEST = $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+
 test: install-test
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(TEST_OPTIONS)
+	$(PYTEST) -m "not slow" $(TEST_OPTIONS)
+
+slow: install-test
+	$(PYTEST) -m slow $(TEST_OPTIONS)
 
 # -- what a contributor types --------------------------------------------------------------------------------
 
-check: static test
+check: static test slow
 
 static: install-dev
 	$(BIN)/ruff check .

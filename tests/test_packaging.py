@@ -85,6 +85,7 @@ def test_ci_runs_the_test_command_of_the_readme():
     assert lines[0] == "#!/usr/bin/env bash"
     assert "set -euo pipefail" in lines
     assert "make test" in lines
+    assert "make slow || slow=$?" in lines
     assert "    make test" in (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
 
 

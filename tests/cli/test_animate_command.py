@@ -8,6 +8,8 @@ from PIL import Image
 
 from contwalk.workflow.stored import orbits as stored_orbits
 
+pytestmark = pytest.mark.slow
+
 WHEEL = """\
 import math
 from dataclasses import replace

@@ -21,6 +21,8 @@ from contwalk.problems.hybrid.switching import rotated
 from contwalk.problems.orbit import monodromy, variations
 from contwalk.system import System, Transition
 
+pytestmark = pytest.mark.slow
+
 C, S, G = 0.1, 0.5, 0.05
 # Deviations over a single leg beyond which it must have been cut, and the tolerance of the walk.
 GROWN, WALKED = 1e7, 1e-7

@@ -16,6 +16,8 @@ from small_systems import labelled, small_problem
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
 
+pytestmark = pytest.mark.slow
+
 TWO = ("CP", "BT", "GH", "ZH", "HH")
 
 

@@ -13,6 +13,8 @@ from small_systems import small_problem
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
 
+pytestmark = pytest.mark.slow
+
 
 def face(t, x, p, dx):
     """Hopf points where mu = 0 on z = 0 and where mu = -lam / 2 beside it; they cross where lam = 0.

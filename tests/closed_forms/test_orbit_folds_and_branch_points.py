@@ -10,6 +10,8 @@ from small_systems import labelled
 
 import contwalk as cw
 
+pytestmark = pytest.mark.slow
+
 COEFFICIENT = 1e-6
 WALKED = 100.0 * ACCURACY
 

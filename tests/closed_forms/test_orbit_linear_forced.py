@@ -13,6 +13,8 @@ from small_systems import small_system
 
 import contwalk as cw
 
+pytestmark = pytest.mark.slow
+
 PERIOD = 2.0
 # What the requirement says: each right to this part of itself.
 RELATIVE = 1e-6

@@ -30,6 +30,8 @@ import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.errors import StartError
 
+pytestmark = pytest.mark.slow
+
 
 class TestSmoothOrbits:
     def test_folds(self):

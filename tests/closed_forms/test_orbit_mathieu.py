@@ -15,6 +15,8 @@ from small_systems import labelled, small_system
 
 import contwalk as cw
 
+pytestmark = pytest.mark.slow
+
 # c_k falls like (q / 4)^(k/2) / (k/2)!^2: at k = 60 nothing is left of it for q < 10.
 HIGHEST = 60
 

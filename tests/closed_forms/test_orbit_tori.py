@@ -9,6 +9,8 @@ from small_systems import labelled
 
 import contwalk as cw
 
+pytestmark = pytest.mark.slow
+
 # Normal forms are derivatives of third order of the integrator's map, on steps made for the located point.
 COEFFICIENT = 1e-6
 

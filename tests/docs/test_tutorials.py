@@ -15,6 +15,8 @@ from code_blocks import ROOT, blocks, commands, run_command, run_python
 import contwalk as cw
 from contwalk.system import load_system
 
+pytestmark = pytest.mark.slow
+
 TUTORIAL = "docs/tutorials/first_plugin.md"
 ORBITS = "docs/tutorials/first_orbit.md"
 PLUGINS = "docs/reference/plugin.md"

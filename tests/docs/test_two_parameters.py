@@ -7,6 +7,8 @@ import json
 import pytest
 from code_blocks import blocks, commands, run_command, run_python
 
+pytestmark = pytest.mark.slow
+
 PAGE = "docs/howto/two_parameters.md"
 # Found with mpmath from the characteristic polynomial; MatCont's tutorial prints the first digits.
 BT = {"alpha": 0.45362432777812945522, "delta": 0.17512759295021742421}

@@ -11,6 +11,8 @@ from small_systems import labelled, small_system
 import contwalk as cw
 from contwalk.branch import Branch
 
+pytestmark = pytest.mark.slow
+
 
 def bogdanov_takens(t, x, p, dx):
     """Folds where b1 = b2^2 / 4, Hopf points where b1 = 0 and b2 < 0."""

@@ -19,6 +19,8 @@ from one_impact import forced, parameters, stiffness
 from contwalk.branch import Branch, Outcome
 from contwalk.system import Mode, State, System, Transition
 
+pytestmark = pytest.mark.slow
+
 WALKED = 100.0 * ACCURACY
 
 

@@ -11,6 +11,8 @@ from small_systems import labelled, small_system
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
 
+pytestmark = pytest.mark.slow
+
 ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10)
 PARAMETER_ROUNDING = 4.0 * np.finfo(float).eps
 

@@ -89,7 +89,7 @@ class Study:
     real : tuple of Value
         Points that may be found and need not: beyond what the study is about, each shown to be real.
     slow : bool
-        Takes more than ten seconds.
+        Takes seconds: not tried by `make test`.
     lost : str
         What is known to be lost or wrong today, in a sentence; empty where nothing is.
     """

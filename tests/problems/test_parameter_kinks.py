@@ -8,6 +8,8 @@ import pytest
 import contwalk as cw
 from contwalk.storage import open_database
 
+pytestmark = pytest.mark.slow
+
 HEAD = """\
 import math
 import numpy as np

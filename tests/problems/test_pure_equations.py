@@ -31,6 +31,8 @@ from contwalk.errors import ContwalkError
 from contwalk.problems.problem import PointType, Problem, Sample, equations_at
 from contwalk.system import Transition
 
+pytestmark = pytest.mark.slow
+
 TESTS = Path(__file__).parents[1]
 # How far from the orbit: rounding, a correction, a step, and more than one.
 DISTANCES = (1e-9, 1e-5, 1e-3, 1e-2, 3e-2, 0.1)

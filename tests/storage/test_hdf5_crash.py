@@ -16,6 +16,8 @@ from contwalk.storage import Hdf5Database, open_database
 from contwalk.storage.hdf5_branch import StoredBranch
 from contwalk.storage.records import RecordLog
 
+pytestmark = pytest.mark.slow
+
 WRITER = """
 import os, signal, sys
 import numpy as np

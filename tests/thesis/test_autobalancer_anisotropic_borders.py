@@ -13,7 +13,7 @@ from autobalancer_figures import figure_run
 
 from contwalk.branch import Branch, SpecialPoint
 
-pytestmark = pytest.mark.thesis
+pytestmark = [pytest.mark.thesis, pytest.mark.slow]
 
 # Borders are wanted to 1e-9; the run files ask for the default 1e-8, which exceeds it here.
 LOCATED = 1e-9

@@ -13,7 +13,7 @@ from whirl_determinant import exact_hopf
 
 import contwalk as cw
 
-pytestmark = pytest.mark.thesis
+pytestmark = [pytest.mark.thesis, pytest.mark.slow]
 
 FIG_15 = EQUILIBRIA["fig15_leading_pair"]
 CONTOURS = [(m, c, points) for m, rows in EQUILIBRIA["zero_contours_fig10"].items() for c, points in rows]

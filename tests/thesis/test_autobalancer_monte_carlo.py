@@ -11,7 +11,7 @@ from contwalk.storage.trajectory import read_samples
 from contwalk.workflow.run_file.sample import read_sampling
 from contwalk.workflow.sampling import sample
 
-pytestmark = pytest.mark.thesis
+pytestmark = [pytest.mark.thesis, pytest.mark.slow]
 
 # Verified means and their standard errors, 20 000 motions each.
 VERIFIED = {1: (12.03, 0.055), 2: (9.352, 0.037), 3: (7.301, 0.015)}

@@ -6,7 +6,7 @@ from autobalancer_figures import RUNS, figure_run
 from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.run_file.reading import read_run_file
 
-pytestmark = pytest.mark.thesis
+pytestmark = [pytest.mark.thesis, pytest.mark.slow]
 
 # Of the maps, a few rows: those that other tests of this folder compute as well.
 ROWS = {

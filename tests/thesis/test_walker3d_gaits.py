@@ -24,7 +24,7 @@ from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, hybrid_machine, motion_segments
 from contwalk.workflow.run_file.reading import RunFile, read_run_file
 
-pytestmark = pytest.mark.thesis
+pytestmark = [pytest.mark.thesis, pytest.mark.slow]
 
 REFERENCE = json.loads((Path(__file__).parent / "walker3d_reference.json").read_text(encoding="utf-8"))
 GAITS = REFERENCE["gaits"]
@@ -209,7 +209,6 @@ def test_multipliers_of_a_stride_are_squares(name):
     assert_same_multipliers(np.linalg.eigvals(matrix), [*(v**2 for v in point.spectrum), *ones])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", GAITS)
 def test_legs_of_their_own_close_after_a_stride(name):
     """A machine that does not know of its mirror image."""

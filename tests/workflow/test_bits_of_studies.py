@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from killed_runs import assert_same, compute
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -37,7 +39,6 @@ STUDIES = {
 }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", STUDIES)
 def test_two_histories_and_two_numbers_of_threads_give_the_same_database(name, tmp_path):
     study = STUDIES[name]

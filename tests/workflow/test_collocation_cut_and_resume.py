@@ -12,6 +12,8 @@ from contwalk.storage import open_database
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import run
 
+pytestmark = pytest.mark.slow
+
 PLUGIN = """
 from contwalk.system import Mode, Parameter, State, System
 
@@ -37,7 +39,6 @@ engine: {discretization: KIND}
 """
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["auto", "collocation"])
 def test_a_cut_run_ends_as_a_whole_one(tmp_path, kind):
     (tmp_path / "nerve.py").write_text(PLUGIN)

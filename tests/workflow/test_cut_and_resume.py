@@ -16,6 +16,8 @@ from contwalk.storage import open_database
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
 
+pytestmark = pytest.mark.slow
+
 PLUGIN = """
 from contwalk.system import Mode, Parameter, State, System
 

@@ -10,6 +10,8 @@ from contwalk.storage import Hdf5Database, open_database
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
 
+pytestmark = pytest.mark.slow
+
 # x = 0 has pitchforks at r = 0 and, from y's part, at r = 2; the branches born at 0 fold back at r = -0.25.
 PLUGIN = """\
 from contwalk.system import Mode, Parameter, Start, State, System

@@ -9,6 +9,8 @@ from killed_runs import Runs, assert_same
 
 from contwalk.storage import open_database
 
+pytestmark = pytest.mark.slow
+
 SLOPE = Path(__file__).resolve().parents[2] / "runs" / "planar_slope.yaml"
 # The study with its grazing, its conditions and two doublings, but for the far ends of its branches.
 NARROWED = ("continue.range=[0.0525, 0.112]", "diagram.depth=1")

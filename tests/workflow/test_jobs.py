@@ -25,6 +25,8 @@ from contwalk.workflow.study_text import StudyText
 from contwalk.workflow.walking_ahead import Seeds, Walker
 from contwalk.workflow.workers import LOST, MOST_LOST, Workers
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 
 PLUGIN = """
@@ -102,7 +104,6 @@ def test_any_number_of_processes_stores_the_same_bytes(study):
         assert_identical(alone, computed(study, f"{jobs}.h5", jobs=jobs))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "short"),
     [

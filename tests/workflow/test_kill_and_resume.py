@@ -8,10 +8,14 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from contwalk.storage import open_database
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
+
+pytestmark = pytest.mark.slow
+
 
 PLUGIN = """
 from contwalk.system import Mode, Parameter, State, System

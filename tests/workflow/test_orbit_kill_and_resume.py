@@ -1,8 +1,12 @@
 """`kill -9` at random moments of a cascade of orbits: --resume ends with the same diagram, bit by bit."""
 
+import pytest
 from killed_runs import Runs, assert_same
 
 from contwalk.storage import open_database
+
+pytestmark = pytest.mark.slow
+
 
 RUN = """
 contwalk: 1

@@ -14,6 +14,8 @@ import contwalk as cw
 from contwalk.errors import ContwalkError
 from contwalk.storage.document import document
 
+pytestmark = pytest.mark.slow
+
 CYCLES = '''
 """Cycles that fold: r' = r (mu - 1 + a r^2 - r^4)."""
 from contwalk.system import Mode, Parameter, State, System

@@ -12,6 +12,8 @@ from contwalk.errors import ContwalkError
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.tradeoff import Tradeoff, Trial, measure, names_of_files, write
 
+pytestmark = pytest.mark.slow
+
 PLUGIN = """\
 from contwalk.system import Mode, Parameter, Start, State, System
 

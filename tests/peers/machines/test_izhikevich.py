@@ -12,6 +12,8 @@ from peers.machines.izhikevich import PEER
 from peers.machines.izhikevich import SYSTEM as PEER_SYSTEM
 from scipy.integrate import solve_ivp
 
+pytestmark = pytest.mark.slow
+
 A, B, RESET, CURRENT = 0.02, 0.2, -50.0, 10.0
 
 

@@ -52,6 +52,7 @@ PEER = Peer(
                 Value("PD", 6.235004320792478, 1e-13, COLLOCATION, of="orbit"),
                 Value("PD", 7.460881809724862, 1e-13, COLLOCATION, of="orbit"),
             ),
+            slow=True,
         ),
     ),
 )

@@ -12,6 +12,8 @@ from contwalk.problems.initial.event_search import MOST_STEPS
 from contwalk.problems.initial.recurrence import AtRest
 from contwalk.system import Conserved, State, System, Transition
 
+pytestmark = pytest.mark.slow
+
 VALUES = {"k": 0.3, "c": 0.0, "e": 1.0, "push": 0.0}
 START = np.array([0.5, 1.0, 2.0, 0.0])
 

@@ -11,6 +11,8 @@ from block_machine import PLUGIN
 
 import contwalk as cw
 
+pytestmark = pytest.mark.slow
+
 RUN = """\
 contwalk: 1
 system: ./block.py

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from resets import study, told_limit
 
+pytestmark = pytest.mark.slow
+
 QUADRATIC = "dx[0] = x[0] ** 2 + p.I", "x_plus[0] = -1.0", "v", "{v: -0.9}"
 # With u at 0.3 v the equilibria meet at v = 0.15, I = 0.15^2.
 ADAPTING = (

@@ -11,6 +11,8 @@ from small_systems import bifurcations, small_problem
 import contwalk as cw
 from contwalk.system import Mode, Parameter, State, System, Transition
 
+pytestmark = pytest.mark.slow
+
 TURN = 2.0 * np.pi
 
 
