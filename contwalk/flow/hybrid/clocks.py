@@ -6,9 +6,14 @@ whatever follows at the same instant. So is the jump of a guard at an instant.
 
 from __future__ import annotations
 
+import numpy as np
+
 from contwalk.fields.llvm import Code
-from contwalk.flow.events.guard import Guard
+from contwalk.flow.events.guard import EPSILON, JUST_AFTER, Guard
 from contwalk.flow.hybrid.machine import ModeFlow
+
+# Roundings of a period within which the event of a clock that a motion begins right after may lie ahead.
+AHEAD = 64.0
 
 
 class Clocks:
@@ -47,3 +52,20 @@ class Clocks:
     def has_passed(self, t: float, guard: Guard) -> bool:
         """Whether a guard has passed zero at an instant."""
         return t == self._instant and any(guard.code.guard is code for code in self._passed)
+
+
+def right_after(flow: ModeFlow, t: float, last: str) -> float:
+    """The instant at which a motion begins right after a transition into a mode: a clock's not before it.
+
+    Instants of an orbit are known to roundings of its period, those of the machine to roundings of the time:
+    near t = 0 the event that a motion begins after may seem to be still ahead.
+    """
+    for transition, guard in zip(flow.transitions, flow.guards, strict=True):
+        period = flow.period if transition.name == last and guard.code.of_time_alone else None
+        if period is None:
+            continue
+        value, rate, _ = guard(t, np.zeros(len(flow.states)), flow.p).tolist()
+        ahead = -value / rate if rate else 0.0
+        if 0.0 < ahead <= AHEAD * EPSILON * period:
+            return t + ahead + JUST_AFTER * EPSILON * period
+    return t

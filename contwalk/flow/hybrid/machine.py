@@ -50,12 +50,19 @@ class ModeFlow:
     @cached_property
     def jump_instants(self) -> JumpInstants | None:
         """Where guards jump, or their slopes do, whatever the states are; None if nowhere."""
+        if self.period is None or not self.code.time_choices:
+            return None
+        return JumpInstants(self.code.time_choices, self.p, self.period)
+
+    @cached_property
+    def period(self) -> float | None:
+        """That of the forcing; None where there is none, or none that could be one."""
         system = self.code.system
-        if system.period is None or not self.code.time_choices:
+        if system.period is None:
             return None
         named = dict(zip(system.parameter_names, self.p.tolist(), strict=True))
         period = float(system.period(ParameterValues(**named)))
-        return JumpInstants(self.code.time_choices, self.p, period) if 0.0 < period < math.inf else None
+        return period if 0.0 < period < math.inf else None
 
     def constants(self, field: CompiledField) -> np.ndarray:
         """The constants, shape (k,), of another field of the same parameters."""

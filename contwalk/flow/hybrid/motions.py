@@ -26,7 +26,7 @@ from contwalk.flow.hybrid.blaming import (
     why_not_reached,
 )
 from contwalk.flow.hybrid.chatter import Pace, Verdict
-from contwalk.flow.hybrid.clocks import Clocks
+from contwalk.flow.hybrid.clocks import Clocks, right_after
 from contwalk.flow.hybrid.event_integrator import METHOD
 from contwalk.flow.hybrid.guard_status import (
     BEYOND,
@@ -136,6 +136,8 @@ def parts(
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)
     begins = not goes_on and clocks is None
+    if begins and last:
+        t = right_after(flow, t, last)
     noise, clocks = EPSILON * np.abs(x) if noise is None else noise, clocks or Clocks(t)
     standing, verdict = _stands(flow, t, x, noise, control.weights, last, clocks)
     while t < t1 or verdict.status != "ok":

@@ -50,7 +50,7 @@ def sentence(problem: DiscretizedOrbit, located: Located) -> str:
     violated = dict.fromkeys(o.name for r, o, _ in others if r < -ZERO)
     if violated:
         text += f" Not admissible before: {', '.join(violated)}."
-    kept = [entry for entry in others if entry[0] >= -ZERO and entry[1].name != limit.name]
+    kept = [entry for entry in others if entry[0] > ZERO and entry[1].name != limit.name]  # zero: met as well
     if kept:
         _, nearest, value = min(kept, key=lambda entry: entry[0])
         text += f" Nearest beside it: '{nearest.name}' ({nearest.test}) with a margin of {value:.4g}."

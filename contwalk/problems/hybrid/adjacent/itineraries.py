@@ -49,12 +49,18 @@ def found(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed
         return (), str(reason)
     except NoAdjacentOrbit as reason:
         simulated, told = beyond.seeds(problem, point, visited)
-        return simulated, f"No orbit of another signature passes there: {reason} {told}"
+        return simulated, _beside(reason, told, found=bool(simulated))
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
     words = dict.fromkeys(_signatures(cast("DiscretizedOrbit", seed.problem)) for seed in seeds)
     branches = "a branch of their own" if len(seeds) == 1 else f"{len(seeds)} branches of their own"
     return seeds, f"The orbits with signature {' and '.join(words)} leave there: {branches}."
+
+
+def _beside(reason: NoAdjacentOrbit, told: str, *, found: bool) -> str:
+    """Why equations say nothing of what lies beyond, and what simulated motions say."""
+    lead = "The equations at the limit do not lead beyond it" if found else "No orbit beyond it was found"
+    return f"{lead}: {reason} {told}"
 
 
 def _visited(
