@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
 
+from contwalk.cli.going_on import check_resume, command_to_resume, computing, say_interrupted
 from contwalk.cli.jobs_option import jobs_option
 from contwalk.cli.scheduler_option import check_one, scheduler_option
 
 if TYPE_CHECKING:
     from contwalk.branch import Branch
-    from contwalk.cli.termination import Termination
     from contwalk.workflow.run_file.reading import RunFile
     from contwalk.workflow.runner import RunResult
 
@@ -53,10 +52,7 @@ def command(
     Exit codes: 0; 1 if a branch failed, or the disk is full; 2 for bad input, with nothing written; 130
     after Ctrl-C, 143 after SIGTERM.
     """
-    if resume and force:
-        raise click.UsageError(
-            "--resume goes on with a database, --force replaces it. Give one of them.", context
-        )
+    check_resume(context, resume, force, "a database")
     check_one(context, jobs, scheduler)
     from contwalk.cli.collector import loaded
     from contwalk.cli.entry import say
@@ -70,8 +66,7 @@ def command(
     run_file = read_run_file(file, overrides, output)
     loaded()
     flags = {"--no-figures": no_figures, "--strict": strict, "--quiet": quiet}
-    computing = {"--jobs": str(jobs)} if jobs != 1 else {"--scheduler": scheduler} if scheduler else {}
-    again = _resuming(file, overrides, output, flags, computing)
+    again = command_to_resume("continue", file, overrides, output, computing(jobs, scheduler), flags)
     reporter = reporter_for(run_file.range, quiet)
     with termination() as terminated:
         try:
@@ -79,7 +74,7 @@ def command(
                 kept = {"resume": resume, "force": force, "figures": not no_figures}
                 result = run(run_file, **kept, reporter=reporter, jobs=jobs, executor=executor)
         except KeyboardInterrupt:  # outside the computing itself; what was found is stored all the same
-            return _interrupted(again if run_file.output.exists() else None, terminated)
+            return say_interrupted(again if run_file.output.exists() else None, terminated)
         except WriteError as error:
             say(f"error: {error.sentence} {error.remedy.partition('contwalk')[0]}\n  {again}")
             return error.exit_code
@@ -87,7 +82,7 @@ def command(
         _print(run_file, result, reporter.notes)
     failed = _failures(result.branches, strict)
     if result.interrupted:
-        return _interrupted(again, terminated)
+        return say_interrupted(again, terminated)
     return 1 if failed else 0
 
 
@@ -123,29 +118,3 @@ def _failures(branches: Sequence[Branch], strict: bool) -> bool:
             "See the notes of these points, or take smaller steps with --set engine.max_step=0.02."
         )
     return bool(failed) or (strict and bool(unlocated))
-
-
-def _interrupted(again: str | None, terminated: Termination) -> int:
-    from contwalk.cli.entry import INTERRUPTED, TERMINATED, say
-
-    word = "Terminated" if terminated.came else "Interrupted"
-    say(f"{word}." if again is None else f"{word}; everything found is stored. Go on with:\n  {again}")
-    return TERMINATED if terminated.came else INTERRUPTED
-
-
-def _resuming(
-    file: str,
-    overrides: Sequence[str],
-    output: str | None,
-    flags: dict[str, bool],
-    computing: dict[str, str],
-) -> str:
-    """The command that goes on with this run."""
-    words = ["contwalk", "continue", file]
-    for override in overrides:
-        words += ["--set", override]
-    if output is not None:
-        words += ["--output", output]
-    for option, value in computing.items():
-        words += [option, value]
-    return shlex.join([*words, "--resume", *[flag for flag, given in flags.items() if given]])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from contwalk.cli.going_on import check_resume, command_to_resume, computing, say_interrupted
 from contwalk.cli.jobs_option import jobs_option
 from contwalk.cli.scheduler_option import check_one, scheduler_option
 
@@ -49,10 +50,13 @@ def command(
     With output X.h5 it writes X_margins.h5, X_margins.csv and X_margins.png; what is found is kept in
     X_margins.journal until then.
 
-    Exit codes: 0; 1 if a computation failed; 2 for bad input, with nothing written.
+    Exit codes: 0; 1 if a computation failed; 2 for bad input, with nothing written; 130 after Ctrl-C, 143
+    after SIGTERM.
     """
     check_one(context, jobs, scheduler)
+    check_resume(context, resume, force, "what a study has found")
     from contwalk.cli.terminal import console
+    from contwalk.cli.termination import termination
     from contwalk.workflow.cluster import executor_at
     from contwalk.workflow.margins import margins
     from contwalk.workflow.run_file.margins import read_margins
@@ -72,14 +76,20 @@ def command(
                 progress=progress,
             )
 
-    if watched:
-        from rich.progress import Progress
+    flags = {"--quiet": quiet, "--no-figures": no_figures}
+    again = command_to_resume("margins", file, overrides, output, computing(jobs, scheduler), flags)
+    with termination() as terminated:
+        try:
+            if watched:
+                from rich.progress import Progress
 
-        with Progress(console=console(stderr=True), transient=True) as bar:
-            task = bar.add_task("rays", total=None)
-            result = found(lambda done, of: bar.update(task, completed=done, total=of))
-    else:
-        result = found()
+                with Progress(console=console(stderr=True), transient=True) as bar:
+                    task = bar.add_task("rays", total=None)
+                    result = found(lambda done, of: bar.update(task, completed=done, total=of))
+            else:
+                result = found()
+        except KeyboardInterrupt:
+            return say_interrupted(again if run.file("margins.journal").exists() else None, terminated)
     if not quiet:
         _print(console(), run, result)
     return 0

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from contwalk.cli.going_on import check_resume, command_to_resume, computing, say_interrupted
 from contwalk.cli.jobs_option import jobs_option
 from contwalk.cli.scheduler_option import check_one, scheduler_option
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 @jobs_option("Motions at once (1); auto: one for each processor. The result is the same.", 1)
 @click.option("--threads", type=click.IntRange(1, 1024), hidden=True, help="Another name of --jobs.")
 @scheduler_option()
+@click.option("--resume", is_flag=True, help="Go on with a sampling that was stopped.")
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
@@ -39,20 +41,25 @@ def command(
     jobs: int,
     threads: int | None,
     scheduler: str | None,
+    resume: bool,
     force: bool,
     quiet: bool,
     no_figures: bool,
 ) -> int:
     """Draw states and parameters as the run file FILE says, and measure a motion from each.
 
-    With output X.h5 it writes X_samples.h5, X_samples.csv and X_histogram.png.
+    With output X.h5 it writes X_samples.h5, X_samples.csv and X_histogram.png; what is found is kept in
+    X_samples.journal until then.
 
-    Exit codes: 0; 1 if a motion could not be integrated; 2 for bad input, with nothing written.
+    Exit codes: 0; 1 if a motion could not be integrated; 2 for bad input, with nothing written; 130 after
+    Ctrl-C, 143 after SIGTERM.
     """
     threads = threads or jobs
     check_one(context, threads, scheduler)
+    check_resume(context, resume, force, "what a sampling has found")
     from contwalk.cli.entry import say
     from contwalk.cli.terminal import console
+    from contwalk.cli.termination import termination
     from contwalk.cli.words import plural
     from contwalk.workflow.cluster import executor_at
     from contwalk.workflow.run_file.sample import read_sampling
@@ -67,19 +74,26 @@ def command(
                 run,
                 threads=threads,
                 executor=executor,
+                resume=resume,
                 force=force,
                 figures=not no_figures,
                 progress=progress,
             )
 
-    if watched:
-        from rich.progress import Progress
+    flags = {"--quiet": quiet, "--no-figures": no_figures}
+    again = command_to_resume("sample", file, overrides, output, computing(threads, scheduler), flags)
+    with termination() as terminated:
+        try:
+            if watched:
+                from rich.progress import Progress
 
-        with Progress(console=console(stderr=True), transient=True) as bar:
-            task = bar.add_task("motions", total=run.sampling.count)
-            result = found(lambda done: bar.advance(task, done))
-    else:
-        result = found()
+                with Progress(console=console(stderr=True), transient=True) as bar:
+                    task = bar.add_task("motions", total=run.sampling.count)
+                    result = found(lambda done: bar.advance(task, done))
+            else:
+                result = found()
+        except KeyboardInterrupt:
+            return say_interrupted(again if run.file("samples.journal").exists() else None, terminated)
     if not quiet:
         _print(console(), run, result)
     if result.summary.failed:

@@ -9,13 +9,13 @@ from __future__ import annotations
 import json
 import os
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from contwalk.errors import DatabaseError
-from contwalk.storage.failures import failures_of
+from contwalk.storage.failures import failures_of, refuse_existing
 
 
 class Journal:
@@ -78,6 +78,28 @@ class Journal:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._file.close()
+
+
+def check_stopped(journal: Path, files: Sequence[Path], resume: bool, force: bool) -> None:
+    """Refuse to go over what a study has left: its files, or the journal of one that was stopped.
+
+    Raises
+    ------
+    DatabaseError
+    """
+    if journal.exists() and not (resume or force):
+        raise DatabaseError(
+            f"{journal} holds what a study that was stopped has found.",
+            "Go on with --resume, or begin anew with --force.",
+        )
+    if resume and not force and not journal.exists() and any(file.exists() for file in files):
+        raise DatabaseError(
+            f"There is nothing to go on with: {journal} does not exist, and the study's files do. "
+            "They were written at its end.",
+            "Leave --resume out and choose another output, or compute them again with --force.",
+        )
+    # Files beside a journal were being written when the study was stopped.
+    refuse_existing(files, force or (resume and journal.exists()))
 
 
 def _line(entry: Mapping[str, Any]) -> bytes:

@@ -9,17 +9,16 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
-from contwalk.storage.failures import failures_of, refuse_existing
-from contwalk.storage.journal import Journal
+from contwalk.storage.failures import failures_of
+from contwalk.storage.journal import Journal, check_stopped
 from contwalk.storage.trajectory import Margins, write_margins
 from contwalk.studies.margins.solution import Solution
 from contwalk.studies.margins.survival import BEYOND
 from contwalk.workflow.basin import BasinResult, basin_of, basin_study
 from contwalk.workflow.basin_files import drawn_basin, write_basin_table
 from contwalk.workflow.basin_points import reached
-from contwalk.workflow.made_with import made_with
+from contwalk.workflow.made_with import made_with_but_the_hour
 from contwalk.workflow.many_runs import Executor, Runs
 from contwalk.workflow.margin_rays import row_of
 from contwalk.workflow.margin_study import check_unpushed, rays_of, study_of
@@ -86,9 +85,7 @@ def margins(
     """
     names, wanted = Names(run), run.margins.basin
     journal = run.file("margins.journal")
-    # Files beside a journal were being written when the study was stopped.
-    refuse_existing(names.written(figures), force or (resume and journal.exists()))
-    _check_journal(journal, resume or force)
+    check_stopped(journal, names.written(figures), resume, force)
     study, modes, notes = study_of(run)
     rays, left_out = rays_of(run, study, modes)
     notes += left_out
@@ -144,15 +141,6 @@ class Names:
         return found
 
 
-def _check_journal(journal: Path, taken_up: bool) -> None:
-    """Refuse to go over what a study that was stopped has left."""
-    if journal.exists() and not taken_up:
-        raise ContwalkError(
-            f"{journal} holds what a study that was stopped has found.",
-            "Go on with --resume, or begin anew with --force.",
-        )
-
-
 def _to_store(
     run: MarginsFile,
     solution: Solution,
@@ -173,18 +161,12 @@ def _to_store(
             "overrides": list(run.overrides),
             "parameters": solution.parameters,
             "notes": list(notes),
-            "provenance": _provenance(run),
+            "provenance": made_with_but_the_hour(run.path, run.system_reference, run.system),
         },
         basin={}
         if basin is None
         else {"states": basin.states, "places": basin.places, "labels": basin.labels},
     )
-
-
-def _provenance(run: MarginsFile) -> dict[str, str]:
-    """As of other files, without the hour: files of the same study are the same to the last bit."""
-    made = made_with(run.path, run.system_reference, run.system)
-    return {name: value for name, value in made.items() if name != "time"}
 
 
 def _notes_of(rows: Sequence[dict[str, Any]]) -> list[str]:

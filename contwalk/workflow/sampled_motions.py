@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,8 @@ class Draws:
         What is drawn, in the order of the system.
     base : dict
         All parameters of the run's start, with nothing drawn.
+    state : ndarray, shape (n,)
+        Of the run's start, with nothing drawn.
     values : ndarray, shape (k, names)
     starts : ndarray, shape (k, n)
     parameters : ndarray, shape (k, m)
@@ -50,13 +52,20 @@ class Draws:
 
     names: tuple[str, ...]
     base: dict[str, float]
+    state: np.ndarray
     values: np.ndarray
     starts: np.ndarray
     parameters: np.ndarray
     units: np.ndarray
 
+    def of(self, numbers: Sequence[int]) -> Draws:
+        """Those of some of the samples, by their places among these."""
+        chosen = np.array(numbers, dtype=int)
+        parts = {name: getattr(self, name)[chosen] for name in ("values", "starts", "parameters", "units")}
+        return replace(self, **parts)
 
-def drawn(run: SampleFile, numbers: range) -> Draws:
+
+def drawn(run: SampleFile, numbers: Sequence[int]) -> Draws:
     """The samples of these numbers: the run's start with the draws in their places.
 
     Every sample has a stream of random numbers of its own, made from the seed and its number: Philox, keyed
@@ -85,7 +94,7 @@ def drawn(run: SampleFile, numbers: range) -> Draws:
         else:
             parameters[:, system.parameter_names.index(name)] = values[:, column]
     units = np.array([_unit(run, row) for row in _rows(system, parameters)])
-    return Draws(names, base, values, starts, parameters, units)
+    return Draws(names, base, state, values, starts, parameters, units)
 
 
 def _rows(system: System, parameters: np.ndarray) -> list[dict[str, float]]:
@@ -97,10 +106,28 @@ def _unit(run: SampleFile, parameters: Mapping[str, float]) -> float:
     return 1.0 if unit is None else unit.length.value(parameters)
 
 
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What became of k samples.
+
+    Parameters
+    ----------
+    motions : Measured
+    there : ndarray of bool, shape (k,)
+        Whether there is the equilibrium that each may rest at.
+    """
+
+    motions: Measured
+    there: np.ndarray
+
+
 def measured(
-    run: SampleFile, draws: Draws, threads: int | None = None, progress: Callable[[int], None] | None = None
-) -> tuple[Measured, np.ndarray]:
-    """The motions computed, and, of shape (k,), whether there is the equilibrium that each may rest at."""
+    run: SampleFile,
+    draws: Draws,
+    threads: int | None = None,
+    finished: Callable[[range, Found], None] | None = None,
+) -> Found:
+    """The motions computed; `finished` is given parts of them by their places, as soon as they are known."""
     system, sampling = run.system, run.sampling
     field = field_of(system)
     targets = resting_places(system, sampling.settled.equilibrium, _rows(system, draws.parameters))
@@ -115,8 +142,13 @@ def measured(
         periods=np.array([state.period or 0.0 for state in system.states]),
         first=sampling.measure.crossing == "first",
     )
-    found = measure(motions, sampling.tolerance, _weights(run, field), threads, progress)
-    return found, ~np.isnan(targets[:, 0, 0])
+    there = ~np.isnan(targets[:, 0, 0])
+
+    def part(places: range, found: Measured) -> None:
+        if finished is not None:
+            finished(places, Found(found, there[places.start : places.stop]))
+
+    return Found(measure(motions, sampling.tolerance, _weights(run, field), threads, part), there)
 
 
 def _weights(run: SampleFile, field: Any) -> np.ndarray:
@@ -132,7 +164,7 @@ _RUNS: dict[StudyText, SampleFile] = {}
 
 
 @one_thread()
-def measured_elsewhere(study: StudyText, numbers: range) -> tuple[Measured, np.ndarray]:
+def measured_elsewhere(study: StudyText, numbers: Sequence[int]) -> Found:
     """As `measured` of the samples of these k numbers, shape (k,): pure, and to be sent to any process.
 
     Raises
@@ -148,20 +180,6 @@ def _read(study: StudyText) -> SampleFile:
     run = read_sampling_text(study.text, study.path, study.overrides)
     study.check(run.system_reference, run.system)
     return run
-
-
-def together(parts: Sequence[tuple[Measured, np.ndarray]]) -> tuple[Measured, np.ndarray]:
-    """Parts one after the other, shape (k,), as if all k had been computed at once."""
-    found = [part for part, _ in parts]
-    return (
-        Measured(
-            *(
-                np.concatenate([getattr(part, name) for part in found])
-                for name in ("crossed_at", "crossed", "ended_at", "ended")
-            )
-        ),
-        np.concatenate([there for _, there in parts]),
-    )
 
 
 def level_guard(run: SampleFile) -> Any:

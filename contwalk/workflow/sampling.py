@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contwalk.flow.ensemble.sampling import BATCH
+from contwalk.flow.ensemble.sampling import BATCH, Measured
 from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import failures_of
-from contwalk.workflow.made_with import made_with
+from contwalk.storage.journal import Journal, check_stopped
+from contwalk.workflow.kept_motions import KeptMotions
+from contwalk.workflow.made_with import made_with_but_the_hour
 from contwalk.workflow.many_runs import Executor, Runs
 from contwalk.workflow.run_file.sample import SampleFile
-from contwalk.workflow.sampled_motions import (
-    Draws,
-    drawn,
-    level_guard,
-    measured,
-    measured_elsewhere,
-    together,
-)
+from contwalk.workflow.sampled_motions import Draws, Found, drawn, level_guard, measured, measured_elsewhere
 from contwalk.workflow.study_text import StudyText
+
+if TYPE_CHECKING:
+    from contwalk.storage.trajectory import Samples
 
 # Motions to a task for another process: whole batches, some seconds' work where a motion takes milliseconds.
 PART = 8 * BATCH
@@ -78,11 +76,14 @@ def sample(
     *,
     threads: int | None = None,
     executor: Executor | None = None,
+    resume: bool = False,
     force: bool = False,
     figures: bool = True,
     progress: Callable[[int], None] | None = None,
 ) -> SampleResult:
     """Compute and measure the motions that a run file describes, and write what was found.
+
+    What is computed stands in a journal beside the files until they are written.
 
     Parameters
     ----------
@@ -91,6 +92,8 @@ def sample(
         As many as there are processors by default. The result does not depend on it.
     executor : Executor, optional
         What computes instead, such as a pool or a cluster's client: anything with `map`.
+    resume : bool
+        Go on with a sampling that was stopped.
     force : bool
         Replace files that exist.
     figures : bool
@@ -101,77 +104,113 @@ def sample(
     Raises
     ------
     ContwalkError
-        For bad input, before anything is written.
+        For bad input, before anything is written; where a sampling to go on with is another one.
     """
-    from contwalk.storage.failures import refuse_existing
-    from contwalk.storage.trajectory import Samples, write_samples
+    from contwalk.storage.trajectory import write_samples
 
     database, table = run.file("samples.h5"), run.file("samples.csv")
     named = (figure.options.get("file") for figure in run.figures)
     pictures = [run.output.parent / name if name else run.file("histogram.png") for name in named]
     pictures = list(dict.fromkeys(pictures)) if figures else []
-    refuse_existing([database, table, *pictures], force)
+    journal = run.file("samples.journal")
+    check_stopped(journal, [database, table, *pictures], resume, force)
     draws = drawn(run, range(run.sampling.count))
-    found, there = _measured(run, draws, threads, executor, progress)
-    values = _values(run, found, draws) / draws.units
-    label = run.sampling.time_unit.name if run.sampling.time_unit else "time"
-    samples = Samples(
+    with Journal(journal, _identity(run, draws), resume) as on_disk:
+        kept = KeptMotions(on_disk, run.sampling.count)
+        try:
+            _compute(run, draws, kept, threads, executor, progress)
+        finally:  # after an interruption too
+            kept.write()
+        samples = _samples(run, draws, kept.found)
+        summary = _summary(samples, kept.found)
+        write_samples(database, samples)
+        _write_table(samples, table)
+        for path in pictures:
+            _draw(run, samples, summary, path)
+        on_disk.remove()
+    return SampleResult(samples, summary, [database, table], pictures)
+
+
+def _identity(run: SampleFile, draws: Draws) -> dict[str, Any]:
+    """What the motions follow from."""
+    return {
+        "plugin": run.system.source,
+        "start": draws.state.tolist(),
+        "parameters": draws.base,
+        "sample": repr(run.sampling),
+    }
+
+
+def _compute(
+    run: SampleFile,
+    draws: Draws,
+    kept: KeptMotions,
+    threads: int | None,
+    executor: Executor | None,
+    progress: Callable[[int], None] | None,
+) -> None:
+    """The motions that are not known yet, in threads or by an executor."""
+    missing = kept.missing
+
+    def keep(numbers: Sequence[int], found: Found) -> None:
+        kept.add(numbers, found)
+        if progress is not None:
+            progress(len(numbers))
+
+    if progress is not None and len(missing) < run.sampling.count:
+        progress(run.sampling.count - len(missing))
+    if not missing:
+        return
+    if executor is None:
+        measured(
+            run,
+            draws.of(missing),
+            threads,
+            lambda places, found: keep(missing[places.start : places.stop], found),
+        )
+        return
+    parts = [missing[first : first + PART] for first in range(0, len(missing), PART)]
+    with Runs(measured_elsewhere, StudyText.of(run), executor=executor) as runs:
+        for numbers, found in zip(parts, runs.in_order(parts), strict=True):
+            keep(numbers, found)
+
+
+def _samples(run: SampleFile, draws: Draws, found: Found) -> Samples:
+    """What is stored."""
+    from contwalk.storage.trajectory import Samples
+
+    motions = found.motions
+    return Samples(
         system=run.system.name,
         drawn=draws.names,
-        measured=label,
+        measured=run.sampling.time_unit.name if run.sampling.time_unit else "time",
         draws=draws.values,
-        values=values,
-        settled=_settled(found),
-        crossed=found.crossed,
-        ends=found.ended_at / draws.units,
+        values=_values(run, motions, draws) / draws.units,
+        settled=_settled(motions),
+        crossed=motions.crossed,
+        ends=motions.ended_at / draws.units,
         header={
             "config": run.text,
             "overrides": list(run.overrides),
             "parameters": draws.base,
-            "provenance": made_with(run.path, run.system_reference, run.system),
+            "provenance": made_with_but_the_hour(run.path, run.system_reference, run.system),
         },
     )
-    summary = _summary(samples, found, int((~there).sum()))
-    write_samples(database, samples)
-    _write_table(samples, table)
-    for path in pictures:
-        _draw(run, samples, summary, path, label)
-    return SampleResult(samples, summary, [database, table], pictures)
 
 
-def _measured(
-    run: SampleFile,
-    draws: Draws,
-    threads: int | None,
-    executor: Executor | None,
-    progress: Callable[[int], None] | None,
-) -> tuple[Any, np.ndarray]:
-    """The motions computed in threads or by an executor, and, of shape (k,), whether each may rest."""
-    if executor is None:
-        return measured(run, draws, threads, progress)
-    count, found = run.sampling.count, []
-    parts = [range(first, min(first + PART, count)) for first in range(0, count, PART)]
-    with Runs(measured_elsewhere, StudyText.of(run), executor=executor) as runs:
-        for numbers, part in zip(parts, runs.in_order(parts), strict=True):
-            found.append(part)
-            if progress is not None:
-                progress(len(numbers))
-    return together(found)
-
-
-def _settled(found: Any) -> np.ndarray:
+def _settled(found: Measured) -> np.ndarray:
     from contwalk.flow.ensemble.sampling_records import FOUND, SETTLED
 
     return np.isin(found.ended, (SETTLED, FOUND))
 
 
-def _failed(found: Any) -> np.ndarray:
+def _failed(found: Measured) -> np.ndarray:
     from contwalk.flow.ensemble.sampling_records import GIVEN_UP, NOT_FINITE
 
     return np.isin(found.ended, (NOT_FINITE, GIVEN_UP))
 
 
-def _values(run: SampleFile, found: Any, draws: Draws) -> np.ndarray:
+def _values(run: SampleFile, found: Measured, draws: Draws) -> np.ndarray:
     """Instants of the crossings; NaN where there is none, 0 where the observable was beyond all along."""
     guard, last = level_guard(run), run.sampling.measure.crossing == "last"
     values = np.where(found.crossed, found.crossed_at, np.nan)
@@ -183,10 +222,10 @@ def _values(run: SampleFile, found: Any, draws: Draws) -> np.ndarray:
     return values
 
 
-def _summary(samples: Any, found: Any, without: int) -> Summary:
+def _summary(samples: Samples, found: Found) -> Summary:
     values = samples.values[np.isfinite(samples.values)]
     deviation = float(values.std(ddof=1)) if len(values) > 1 else math.nan
-    failed = _failed(found)
+    failed = _failed(found.motions)
     return Summary(
         count=len(samples.values),
         measured=len(values),
@@ -196,11 +235,11 @@ def _summary(samples: Any, found: Any, without: int) -> Summary:
         never_settled=int((~samples.settled & ~failed).sum()),
         never_crossed=int((~samples.crossed).sum()),
         failed=int(failed.sum()),
-        without_equilibrium=without,
+        without_equilibrium=int((~found.there).sum()),
     )
 
 
-def _write_table(samples: Any, path: Path) -> None:
+def _write_table(samples: Samples, path: Path) -> None:
     """A line for each sample, all digits kept."""
     names = (*samples.drawn, samples.measured, "crossed", "settled", "ended")
     columns = (samples.values, samples.crossed, samples.settled, samples.ends)
@@ -213,11 +252,11 @@ def _write_table(samples: Any, path: Path) -> None:
             writer.writerow([index, *drawn, value, *words, end])
 
 
-def _draw(run: SampleFile, samples: Any, summary: Summary, path: Path, label: str) -> None:
+def _draw(run: SampleFile, samples: Samples, summary: Summary, path: Path) -> None:
     from contwalk import plotting
 
     values, wanted = samples.values[np.isfinite(samples.values)], run.sampling.measure
     way = "falls below" if wanted.direction == "falling" else "rises above"
-    label = f"{wanted.crossing} time that {wanted.observable} {way} {wanted.level.text} ({label})"
+    label = f"{wanted.crossing} time that {wanted.observable} {way} {wanted.level.text} ({samples.measured})"
     if len(values):
         plotting.save(plotting.plot_histogram(values, label=label, never_settled=summary.never_settled), path)

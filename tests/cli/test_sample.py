@@ -5,12 +5,15 @@ from __future__ import annotations
 import csv
 import math
 import re
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from contwalk.errors import PluginError
+from contwalk.flow.ensemble import sampling as motions_in_threads
 from contwalk.storage.trajectory import read_samples
 from contwalk.workflow import sampling
 from contwalk.workflow.run_file.sample import read_sampling
@@ -131,6 +134,94 @@ def test_whatever_computes_the_parts_of_a_sampling_leaves_the_same_table(contwal
     b = read_samples(falling / "s_samples.h5")
     for name in ("draws", "values", "settled", "crossed", "ends"):
         assert getattr(a, name).tobytes() == getattr(b, name).tobytes(), name
+
+
+FILES = "s_samples.h5", "s_samples.csv"
+# Ends the process, as a kill would, when so many lines of what was found are on the disk, and a part of one.
+KILLED = """\
+import os, sys
+from contwalk.storage.journal import Journal
+from contwalk.flow.ensemble import sampling as motions
+from contwalk.workflow import kept_motions
+motions.BATCH, kept_motions.GATHERED = 7, 0.0
+add, left = Journal.add, [int(sys.argv[1])]
+def adds(self, entry):
+    if left[0] < 0:
+        self._file.write(b'00000000 {'); self._file.flush(); os.kill(os.getpid(), 9)
+    left[0] -= 1; add(self, entry)
+Journal.add = adds
+from contwalk.cli.entry import run; run(('sample', 's.yaml', '--no-figures', '--jobs', sys.argv[2]))
+"""
+
+
+@pytest.mark.parametrize(("kept", "jobs"), [(0, "1"), (3, "2")])
+def test_a_sampling_that_was_killed_goes_on_to_the_same_bytes(contwalk, falling, kept, jobs, monkeypatch):
+    assert contwalk("sample", "s.yaml", "--no-figures").code == 0
+    whole = [(falling / name).read_bytes() for name in FILES]
+    for name in FILES:
+        (falling / name).unlink()
+    killed = subprocess.run([sys.executable, "-c", KILLED, str(kept), jobs], cwd=falling, check=False)
+    assert killed.returncode == -9
+    again = contwalk("sample", "s.yaml", "--no-figures")
+    assert again.code == 2
+    assert "--resume" in again.err
+    computed, measured = [], sampling.measured
+
+    def counted(run, draws, *others):
+        computed.append(len(draws.values))
+        return measured(run, draws, *others)
+
+    monkeypatch.setattr(sampling, "measured", counted)
+    assert contwalk("sample", "s.yaml", "--no-figures", "--resume").code == 0
+    assert computed == [60 - 7 * kept]
+    assert [(falling / name).read_bytes() for name in FILES] == whole
+    assert not (falling / "s_samples.journal").exists()
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_what_is_interrupted_keeps_all_that_is_done(contwalk, falling, elsewhere, monkeypatch):
+    assert contwalk("sample", "s.yaml", "--no-figures").code == 0
+    whole = [(falling / name).read_bytes() for name in FILES]
+    monkeypatch.setattr(sampling, "PART", 17)
+    monkeypatch.setattr(motions_in_threads, "BATCH", 17)
+    counts = []
+
+    def stopped(count):
+        counts.append(count)
+        if len(counts) == 2:
+            raise KeyboardInterrupt
+
+    run = read_sampling("s.yaml")
+    how = {"threads": 1, "executor": Backwards() if elsewhere else None, "figures": False}
+    with pytest.raises(KeyboardInterrupt):
+        sampling.sample(run, force=True, progress=stopped, **how)
+    counts.clear()
+    result = sampling.sample(run, resume=True, progress=counts.append, **how)
+    assert counts == [34, 17, 9]
+    assert [file.read_bytes() for file in result.files] == whole
+
+
+def test_ctrl_c_tells_how_to_go_on(contwalk, falling, monkeypatch):
+    def stopped(*others):
+        raise KeyboardInterrupt
+
+    given = ("sample", "s.yaml", "--no-figures", "--set", "sample.seed=4")
+    with monkeypatch.context() as patched:
+        patched.setattr(sampling, "measured", stopped)
+        done = contwalk(*given, "--jobs", "2")
+    assert done.code == 130
+    again = done.err.splitlines()[-1].strip()
+    assert again == "contwalk sample s.yaml --set sample.seed=4 --jobs 2 --resume --no-figures"
+    other = contwalk("sample", "s.yaml", "--resume")
+    assert other.code == 2
+    assert "what differs: sample." in other.err
+    both = contwalk(*given, "--resume", "--force")
+    assert both.code == 2
+    assert "Give one of them" in both.err
+    assert contwalk(*again.split()[1:]).code == 0
+    finished = contwalk(*given, "--resume")
+    assert finished.code == 2
+    assert "There is nothing to go on with" in finished.err
 
 
 def test_another_plugin_where_motions_are_computed_is_refused(contwalk, falling):

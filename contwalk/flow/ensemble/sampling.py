@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -81,7 +82,7 @@ def measure(
     tolerance: float,
     weights: np.ndarray,
     threads: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    finished: Callable[[range, Measured], None] | None = None,
 ) -> Measured:
     """Compute all motions with DOP853; the result does not depend on the number of threads.
 
@@ -93,31 +94,43 @@ def measure(
     weights : ndarray, shape (n,)
     threads : int, optional
         As many as there are processors by default.
-    progress : callable, optional
-        Told, now and then, how many motions more are done.
+    finished : callable, optional
+        Given which motions a thread has done, by their places among `motions`, and what became of them, as
+        soon as they are done: neighbouring ones, but not in their order. After an interruption it is given
+        those that threads were at.
     """
     count = len(motions.starts)
     work = _Work(motions, weights)
     threads = threads or os.cpu_count() or 1
-    jobs = [(first, min(first + BATCH, count)) for first in range(0, count, BATCH)]
+    jobs = deque(range(first, min(first + BATCH, count)) for first in range(0, count, BATCH))
     _BATCH(work.call().address, 0, 0, tolerance)  # compiled before the threads begin
-    with ThreadPoolExecutor(threads) as pool:
-        # each thread has its own record, which is given back when its batch is done
-        free = [work.call() for _ in range(threads)]
-        running: dict[Future[int], SamplingCall] = {}
-        while jobs or running:
-            while jobs and free:
-                own = free.pop()
-                first, last = jobs.pop(0)
-                future = pool.submit(_BATCH, own.address, first, last, tolerance)
-                running[future] = own
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
-            for future in done:
-                free.append(running.pop(future))
-                if progress is not None:
-                    progress(future.result())
-    at, crossed, ended_at, ended = work.results.T
-    return Measured(at.copy(), crossed != 0.0, ended_at.copy(), ended.astype(int))
+    # each thread has its own record, which is given back when its batch is done
+    free = [work.call() for _ in range(threads)]
+    running: dict[Future[int], tuple[range, SamplingCall]] = {}
+
+    def take(future: Future[int]) -> None:
+        places, own = running.pop(future)
+        free.append(own)
+        future.result()
+        if finished is not None:
+            finished(places, work.measured(places))
+
+    try:
+        with ThreadPoolExecutor(threads) as pool:
+            while jobs or running:
+                while jobs and free:
+                    places, own = jobs.popleft(), free.pop()
+                    running[pool.submit(_BATCH, own.address, places.start, places.stop, tolerance)] = (
+                        places,
+                        own,
+                    )
+                done, _ = wait(running, return_when=FIRST_COMPLETED)
+                for future in done:
+                    take(future)
+    finally:
+        for future in list(running):  # the pool has waited for them
+            take(future)
+    return work.measured(range(count))
 
 
 def warmup() -> None:
@@ -173,6 +186,11 @@ class _Work:
             "results": self.results.ctypes.data,
         }
         self._kept: list[np.ndarray] = []
+
+    def measured(self, places: range) -> Measured:
+        """What the loop has found of the motions at these k places."""
+        at, crossed, ended_at, ended = self.results[places.start : places.stop].T
+        return Measured(at.copy(), crossed != 0.0, ended_at.copy(), ended.astype(int))
 
     def call(self) -> SamplingCall:
         """The record for one thread, with memory of its own."""
