@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from small_systems import small_problem
 
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
+from contwalk.problems.locus.orbit_points.resonances import R2OnTori
 
 pytestmark = pytest.mark.slow
 
@@ -100,7 +103,20 @@ def test_no_cubic_coefficient_vanishes_where_a_multiplier_of_a_face_passes_one(i
     branch = branch_of(system, "mu", (-0.5, 0.3), [0.0] * len(states))
     found = cw.continue_locus(system, branch, point, {"mu": (-0.5, 0.5), "nu": (-0.3, 0.2)}, **FINE)
     assert np.max(np.abs(found["mu"])) < WALKED
-    assert not {p.label for p in found.special_points} & {"GPD", "CH"}
+    assert not {p.label for p in found.special_points} & {"GPD", "CH", "R2"}
+
+
+@pytest.mark.parametrize("rate", [1e-66, -3e-17])
+def test_of_an_angle_that_stands_still_no_sign_tells_a_resonance(rate) -> None:
+    """The rate of the cosine is the rounding of zero; a pole was searched for at each change of its sign."""
+    problem: Any = SimpleNamespace(
+        plane=SimpleNamespace(size=3),
+        mesh=SimpleNamespace(amplified=1.0, tolerance=1e-9),
+        further=lambda z: z[3:4],
+    )
+    place = np.array([0.0, 0.0, 0.0, math.cos(1.0), 0.1, 0.0])
+    sample: Any = SimpleNamespace(z=place, tangent=np.array([0.0, 0.0, 0.0, rate, 1.0, 0.0]))
+    assert math.isnan(R2OnTori().value(problem, sample))
 
 
 def test_a_curve_along_which_the_first_parameter_levels_off_ends_at_the_range_of_the_second() -> None:

@@ -65,13 +65,14 @@ class R2OnTori(OnTori):
         """How far the cosine of the angle is from minus one, over its rate along the curve.
 
         Its sign changes where the cosine passes minus one, and also where it comes there and turns back. An
-        extremum elsewhere is a pole. Right at one, nearer than is known, the rate alone tells.
+        extremum elsewhere is a pole. Right at one, nearer than is known, the rate alone tells. Of an angle
+        that stands still along the curve the sign of the rate is noise, and nothing is told.
         """
         beyond, rate = super().value(problem, sample), float(sample.tangent[problem.plane.size])
         known = known_to(problem)
         if abs(beyond) <= known and abs(rate) <= TURNS * known**0.5:
             return rate
-        return beyond / rate if rate else float("nan")
+        return beyond / rate if abs(rate) > known else float("nan")
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The point at which the angle passes half a turn, or turns back."""
