@@ -57,7 +57,7 @@ def _equations_text(run_file: RunFile) -> str:
         return Equilibrium(*given).kernels.residual.text
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
-    passage = PeriodicOrbit(*given).passage
+    passage = PeriodicOrbit(*given).passages[0]
     return source(passage.program, (*passage.groups, "u", "t"))
 
 

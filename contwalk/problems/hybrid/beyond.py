@@ -20,8 +20,8 @@ from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.guard_status import ENTERING, guard_statuses
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.numerics.linear import kernel_direction
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.least import least
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import ZERO
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
@@ -71,7 +71,7 @@ class Trial:
 
 
 def seeds(
-    problem: DiscretizedOrbit, point: SpecialPoint, visited: Begin | None = None
+    problem: LimitedOrbit, point: SpecialPoint, visited: Begin | None = None
 ) -> tuple[Sequence[Seed], str]:
     """The orbit of another itinerary a little beside a point, and in words what was found, or seen instead.
 
@@ -90,24 +90,24 @@ def seeds(
             told += [first_sentence(str(error))] if trial.begin is None else []
             continue
         found = seed.problem
-        assert isinstance(found, DiscretizedOrbit)
+        assert isinstance(found, LimitedOrbit)
         own = "" if trial.settles else ": a branch of its own"  # or, beyond a fold, of the one that ends
         signature = folded(found.itinerary.signature(found.system)) or "no events"
         return (seed,), f"{trial.words} [{signature}]{_lasting(there, z, seed)}{own}."
     return (), f"Beyond it: {told_once(told)}."
 
 
-def _lasting(problem: DiscretizedOrbit, z: np.ndarray, seed: Seed) -> str:
+def _lasting(problem: LimitedOrbit, z: np.ndarray, seed: Seed) -> str:
     """What tells an orbit from the one at the limit, z of shape (N + 1,), where their signatures do not."""
     other = seed.problem
-    assert isinstance(other, DiscretizedOrbit)
+    assert isinstance(other, LimitedOrbit)
     if problem.itinerary.signature(problem.system) != other.itinerary.signature(other.system):
         return ""
     return f", with the period {other.duration(seed.z):.10g} and not {problem.duration(z):.10g}"
 
 
 def _trials(
-    problem: DiscretizedOrbit,
+    problem: LimitedOrbit,
     z: np.ndarray,
     outward: np.ndarray,
     weights: np.ndarray,
@@ -138,7 +138,7 @@ def _trials(
 
 
 def _across(
-    problem: DiscretizedOrbit, z: np.ndarray, outward: np.ndarray, weights: np.ndarray
+    problem: LimitedOrbit, z: np.ndarray, outward: np.ndarray, weights: np.ndarray
 ) -> np.ndarray | None:
     """The way of the parameter alone away from a branch's orbits before its limit, at which it may turn.
 
@@ -156,7 +156,7 @@ def _across(
     return across if across[-1] else None
 
 
-def _beginning(problem: DiscretizedOrbit, guess: np.ndarray) -> Begin:
+def _beginning(problem: LimitedOrbit, guess: np.ndarray) -> Begin:
     """Where the orbit of a guess begins.
 
     Raises
@@ -173,7 +173,7 @@ def _beginning(problem: DiscretizedOrbit, guess: np.ndarray) -> Begin:
     return Begin(time, x, itinerary.legs[0].mode, event)
 
 
-def _simulated(problem: DiscretizedOrbit, guess: np.ndarray, trial: Trial, label: str) -> Seed:
+def _simulated(problem: LimitedOrbit, guess: np.ndarray, trial: Trial, label: str) -> Seed:
     """The orbit that a simulation goes round in at a guess's parameters, from its start or from another one.
 
     Raises
@@ -232,9 +232,7 @@ def _simulated(problem: DiscretizedOrbit, guess: np.ndarray, trial: Trial, label
     return Seed(label, start, tangent, amplitude(tangent), walking)
 
 
-def _goes_back(
-    problem: DiscretizedOrbit, values: dict[str, float], event: str, t: float, x: np.ndarray
-) -> bool:
+def _goes_back(problem: LimitedOrbit, values: dict[str, float], event: str, t: float, x: np.ndarray) -> bool:
     """Whether a guess right after an event goes back through its guard.
 
     Beyond the point at which an event arrives with no rate, no state of the guess is one after a reset.

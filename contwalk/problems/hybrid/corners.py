@@ -11,7 +11,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from contwalk.errors import NotFinite, PluginError
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.end_maps import passages_of
 from contwalk.problems.hybrid.jumping_limits import (
     AROUND_END,
@@ -21,6 +20,7 @@ from contwalk.problems.hybrid.jumping_limits import (
     course_of,
     pieced_guards,
 )
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kink import JumpThroughZero, Met
 from contwalk.problems.kinks import Course, differ, jumping, located
@@ -33,7 +33,7 @@ BESIDE = 1e-4
 Instants = tuple[float, float]
 
 
-def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
+def passed(problem: LimitedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
     """The corners that have come past zero on the way from one orbit to another.
 
     a and b have the shape (N + 1,).
@@ -50,7 +50,7 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
 
 
 def _on_leg(
-    problem: DiscretizedOrbit, one: LegView, other: LegView, a: np.ndarray, b: np.ndarray
+    problem: LimitedOrbit, one: LegView, other: LegView, a: np.ndarray, b: np.ndarray
 ) -> Iterator[Met]:
     passage = one.piece.passage
     if passage.leg.collapsed or not min(one.duration, other.duration) > 0.0:

@@ -17,7 +17,8 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.numerics.distinct import distinct
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind, added_by_cuts
+from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
+from contwalk.problems.orbit.discretized_orbit import added_by_cuts
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, segments_of_growth
@@ -32,7 +33,7 @@ GROWING, PARTS = 30.0, 16
 MOST_GROWTH = 1e300
 
 
-def room(problem: DiscretizedOrbit) -> int:
+def room(problem: LimitedOrbit) -> int:
     """Into how many segments legs may be cut along a branch: so many times two what they are cut into."""
     if not problem.cuttable:
         return problem.cuts
@@ -45,7 +46,7 @@ def room(problem: DiscretizedOrbit) -> int:
     return most
 
 
-def stretched(problem: DiscretizedOrbit, z: np.ndarray) -> bool:
+def stretched(problem: LimitedOrbit, z: np.ndarray) -> bool:
     """Whether a segment is too long for Newton's method to be at ease.
 
     Where a state moves by far less on a leg than on the orbit, as on a stiff contact, its deviations may grow
@@ -58,7 +59,7 @@ def stretched(problem: DiscretizedOrbit, z: np.ndarray) -> bool:
     return _most_on_the_way(problem, z, own=True) > STRETCHED
 
 
-def _grown(problem: DiscretizedOrbit, z: np.ndarray) -> float:
+def _grown(problem: LimitedOrbit, z: np.ndarray) -> float:
     """By how much deviations grow at most over a segment, from any time on.
 
     A deviation that began with the segment has decayed onto the motion where this attracts, and does not show
@@ -70,7 +71,7 @@ def _grown(problem: DiscretizedOrbit, z: np.ndarray) -> float:
     return max(grown, _most_on_the_way(problem, z))
 
 
-def _most_on_the_way(problem: DiscretizedOrbit, z: np.ndarray, own: bool = False) -> float:
+def _most_on_the_way(problem: LimitedOrbit, z: np.ndarray, own: bool = False) -> float:
     """By how much deviations grow at most from any time of a segment to its end.
 
     In units of the states' variation on the orbit, or, where asked for, on the segment's own leg.
@@ -102,7 +103,7 @@ def _factors(piece: Piece, x: np.ndarray, scalars: np.ndarray, scale: np.ndarray
     return found
 
 
-def _carried(problem: DiscretizedOrbit, z: np.ndarray) -> float:
+def _carried(problem: LimitedOrbit, z: np.ndarray) -> float:
     """By how much deviations grow at most from the start of a segment to its end, events included."""
     largest, jacobian, variation = 0.0, problem.linearize(z).jacobian, problem.mesh.variation
     for segment in problem.layout.segments:
@@ -137,17 +138,17 @@ def begun(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
 
 
 def filled(
-    problem: DiscretizedOrbit, bare: np.ndarray, cuts: int, source: DiscretizedOrbit, z: np.ndarray
+    problem: LimitedOrbit, bare: np.ndarray, cuts: int, source: LimitedOrbit, z: np.ndarray
 ) -> np.ndarray:
     """Unknowns with so many segments in each leg, their starts taken from the motion of the same legs.
 
     Parameters
     ----------
-    problem : DiscretizedOrbit
+    problem : LimitedOrbit
     bare : ndarray
         Unknowns with one segment in each leg.
     cuts : int
-    source, z : DiscretizedOrbit, ndarray
+    source, z : LimitedOrbit, ndarray
         Whose legs begin with those of `problem`, in their order.
     """
     layout = problem.cut_into(cuts).layout
@@ -162,7 +163,7 @@ def filled(
 
 
 def copied(
-    problem: DiscretizedOrbit, bare: np.ndarray, start: float, source: DiscretizedOrbit, z: np.ndarray
+    problem: LimitedOrbit, bare: np.ndarray, start: float, source: LimitedOrbit, z: np.ndarray
 ) -> np.ndarray:
     """Unknowns of an orbit of other legs along the motion of `source`, from `start` on, in as many segments.
 
@@ -190,7 +191,7 @@ def copied(
     return result
 
 
-def blocks(problem: DiscretizedOrbit, vector: np.ndarray) -> list[np.ndarray]:
+def blocks(problem: LimitedOrbit, vector: np.ndarray) -> list[np.ndarray]:
     """Of unknowns, or of a direction of them, each leg's states at the starts of its inner segments.
 
     The vector has the shape (N + 1,), each array (cuts - 1, n_i).
@@ -209,7 +210,7 @@ def completed(bare: np.ndarray, inner: Sequence[np.ndarray]) -> np.ndarray:
     return np.concatenate([bare[:-1], *(block.ravel() for block in inner), bare[-1:]])
 
 
-def bare(problem: DiscretizedOrbit, vector: np.ndarray) -> np.ndarray:
+def bare(problem: LimitedOrbit, vector: np.ndarray) -> np.ndarray:
     """Unknowns, or a direction or weights of them, without those of inner segments.
 
     The vector has the shape (N + 1,).

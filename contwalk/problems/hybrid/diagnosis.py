@@ -8,7 +8,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.problems.hybrid import corners, end_maps, jumping_limits, obstacles, undefined
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.vanishing import in_no_time, onto_an_event
 from contwalk.problems.kink import Met
 from contwalk.problems.orbit.conservation import not_conserved
@@ -22,7 +22,7 @@ from contwalk.problems.problem import Sample
 class HybridDiagnosis(OrbitDiagnosis):
     """What is known of such places."""
 
-    def __init__(self, orbit: DiscretizedOrbit) -> None:
+    def __init__(self, orbit: LimitedOrbit) -> None:
         super().__init__(orbit)
         self._eventful = orbit
 

@@ -8,8 +8,8 @@ from typing import Generic
 import numpy as np
 
 from contwalk.numerics.broyden import broyden_step
-from contwalk.problems.hybrid.discretized_orbit import Kind
 from contwalk.problems.hybrid.grouping import Grouping
+from contwalk.problems.hybrid.limited_orbit import Kind
 from contwalk.problems.orbit.scales import cycle_scales
 
 # Corrections of what is eliminated, and a residual of it that is solved, in units of its level: what is left

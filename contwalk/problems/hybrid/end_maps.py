@@ -11,7 +11,7 @@ from contwalk.errors import NO_LINE, ContwalkError, NotFinite, PluginError
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.event_kinks import EndMap, between, on_a_jump
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kink import Kink, Met
 from contwalk.problems.orbit.passage import Passage
@@ -19,7 +19,7 @@ from contwalk.problems.orbit.passage import Passage
 Written = Callable[[Any, Any, Any, Any], None]
 
 
-def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
+def passed(problem: LimitedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
     """What events pass on the way from one orbit to another.
 
     b need not be a solution: what has no motion passes nothing. Of soft transitions, which may come and go,
@@ -43,7 +43,7 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
     return tuple(sorted(met, key=lambda found: found.share))
 
 
-def lying(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
+def lying(problem: LimitedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     """The jumps at which events of an orbit are, to rounding: at every state of their guard, perhaps.
 
     z has the shape (N + 1,).
@@ -56,12 +56,12 @@ def lying(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     return tuple(dict.fromkeys(kink for kink in found if kink is not None))
 
 
-def _any(problem: DiscretizedOrbit, z: np.ndarray) -> bool:
+def _any(problem: LimitedOrbit, z: np.ndarray) -> bool:
     """Whether an event of an orbit, soft ones among them, has a map that is smooth by pieces only."""
     return any(passage.end_switching is not None for passage in passages_of(problem, z))
 
 
-def passages_of(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Passage, ...]:
+def passages_of(problem: LimitedOrbit, z: np.ndarray) -> tuple[Passage, ...]:
     """The kinds of an orbit's legs, those that soft transitions end among them where z has a motion.
 
     z has the shape (N + 1,).
@@ -96,7 +96,7 @@ def _names(passage: Passage) -> list[tuple[str, int]]:
     return [*[("u", k) for k in range(len(passage.states))], *given]
 
 
-def _event(problem: DiscretizedOrbit, view: LegView) -> EndMap:
+def _event(problem: LimitedOrbit, view: LegView) -> EndMap:
     passage = view.piece.passage
     switching = passage.end_switching
     assert switching is not None
@@ -105,7 +105,7 @@ def _event(problem: DiscretizedOrbit, view: LegView) -> EndMap:
 
 
 def map_at(
-    problem: DiscretizedOrbit,
+    problem: LimitedOrbit,
     passage: Passage,
     switching: Switching,
     functions: Sequence[tuple[str, Written]],

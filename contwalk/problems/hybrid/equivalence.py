@@ -10,7 +10,7 @@ import numpy as np
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import cutting
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.problem import Sample
 
@@ -19,7 +19,7 @@ ALIKE = 1e-6
 CLOSELY = np.linspace(0.0, 1.0, 2048)
 
 
-def same(orbit: DiscretizedOrbit, a: Sample, b: Sample) -> bool:
+def same(orbit: LimitedOrbit, a: Sample, b: Sample) -> bool:
     """Whether two solutions at the same parameter are one orbit."""
     if abs(a.period - b.period) > ALIKE * abs(a.period):
         return False
@@ -36,7 +36,7 @@ def same(orbit: DiscretizedOrbit, a: Sample, b: Sample) -> bool:
     return bool(np.linalg.norm((there - b.z) / b.weights) < 30.0 * ALIKE)
 
 
-def first_passed(orbit: DiscretizedOrbit, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
+def first_passed(orbit: LimitedOrbit, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
     """Number of the first of some states at which a leg of the orbit of z starts; which it passes, if it
     begins anywhere. None if there is none.
 
@@ -54,7 +54,7 @@ def first_passed(orbit: DiscretizedOrbit, z: np.ndarray, points: Sequence[np.nda
     return None
 
 
-def _starts_a_leg(orbit: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, periods: np.ndarray) -> bool:
+def _starts_a_leg(orbit: LimitedOrbit, z: np.ndarray, x: np.ndarray, periods: np.ndarray) -> bool:
     """Whether a leg of the orbit of z starts at a state, up to neutral directions."""
     for place, passage in zip(orbit.layout.states, orbit.passages, strict=True):
         start = passage.full(z[place])

@@ -8,7 +8,7 @@ from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motion_segment import Control, MotionSegment
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.layout import Segment
 from contwalk.system.declarations import ParameterValues
@@ -18,7 +18,7 @@ TOLERANCE = 1e-12
 SAME_TIME, SAME_STATE = 1e-3, 1e-2
 
 
-def follows(problem: DiscretizedOrbit, z: np.ndarray) -> str | None:
+def follows(problem: LimitedOrbit, z: np.ndarray) -> str | None:
     """None if a simulation over one closure meets the events of the itinerary, in their order; else what
     it meets.
 
@@ -34,7 +34,7 @@ def follows(problem: DiscretizedOrbit, z: np.ndarray) -> str | None:
     return next((told for told in each if told is not None), None)
 
 
-def _round(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray) -> str | None:
+def _round(problem: LimitedOrbit, machine: HybridMachine, z: np.ndarray) -> str | None:
     """As `follows`, of one simulation."""
     times, legs = problem.starting_times(z), problem.itinerary.legs
     x = problem.passages[0].full(problem.layout.inputs(0, z)[0])
@@ -52,7 +52,7 @@ def _round(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray) -> 
     return None
 
 
-def _along(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray, segment: Segment) -> str | None:
+def _along(problem: LimitedOrbit, machine: HybridMachine, z: np.ndarray, segment: Segment) -> str | None:
     """As `follows`, of a segment."""
     i, layout = segment.leg, problem.layout
     passage, begins, whole = problem.passages[i], problem.starting_times(z)[i], z[layout.durations][i]
@@ -71,11 +71,11 @@ def _along(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray, seg
     return None
 
 
-def _room(problem: DiscretizedOrbit, z: np.ndarray) -> float:
+def _room(problem: LimitedOrbit, z: np.ndarray) -> float:
     return SAME_TIME * abs(problem.duration(z))
 
 
-def _ends_alike(problem: DiscretizedOrbit, z: np.ndarray, i: int, arc: MotionSegment) -> str | None:
+def _ends_alike(problem: LimitedOrbit, z: np.ndarray, i: int, arc: MotionSegment) -> str | None:
     """None if an arc ends as leg i does; else how it does."""
     times, legs = problem.starting_times(z), problem.itinerary.legs
     leg = legs[i]

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.grouping import Grouping
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.lifts import PLAIN
 
@@ -17,14 +17,12 @@ from contwalk.problems.orbit.lifts import PLAIN
 MOST_CORRECTIONS, ROUNDED = 6, 1e-12
 
 
-def solved_forward(
-    explicit: DiscretizedOrbit, grouping: Grouping, z: np.ndarray, near: np.ndarray
-) -> np.ndarray:
+def solved_forward(explicit: LimitedOrbit, grouping: Grouping, z: np.ndarray, near: np.ndarray) -> np.ndarray:
     """What is eliminated, solved for; as it is in `near` where a piece does not come to its guard.
 
     Parameters
     ----------
-    explicit : DiscretizedOrbit
+    explicit : LimitedOrbit
         Discretised; its legs are of one segment each.
     z : ndarray
         The unknowns that are left.
@@ -44,7 +42,7 @@ def solved_forward(
     return grouping.split(found)[1]
 
 
-def _passed(explicit: DiscretizedOrbit, i: int, found: np.ndarray, small: float) -> bool:
+def _passed(explicit: LimitedOrbit, i: int, found: np.ndarray, small: float) -> bool:
     """Write duration and end of leg i, whose start is known, by Newton's method for its guard."""
     layout, (segment,) = explicit.layout, explicit.layout.segments_of(i)
     piece, n = explicit.segments[i], segment.ends.stop - segment.ends.start

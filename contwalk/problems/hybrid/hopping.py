@@ -6,13 +6,13 @@ import numpy as np
 
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.hybrid import end_maps, metric
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 
 # Newton's full steps that are followed: further on they tell nothing of the guess.
 STEPS = 4
 
 
-def hops(problem: DiscretizedOrbit, guess: np.ndarray) -> str:
+def hops(problem: LimitedOrbit, guess: np.ndarray) -> str:
     """What jumps between a guess and where Newton's method leads from it, in a sentence; empty if nothing.
 
     Each of its steps is that of a smooth function: beyond a jump it may lead back, and so on.

@@ -34,8 +34,8 @@ from contwalk.problems.hybrid import (
 )
 from contwalk.problems.hybrid.adjacent import corner
 from contwalk.problems.hybrid.diagnosis import HybridDiagnosis
-from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
 from contwalk.problems.hybrid.limited import HybridLimits
+from contwalk.problems.hybrid.limited_orbit import MOST_VIEWS, LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.view import LegView
@@ -54,7 +54,7 @@ from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, T
 MEET = 1e-12
 
 
-class HybridOrbit(DiscretizedOrbit, OrbitProblem):
+class HybridOrbit(LimitedOrbit, OrbitProblem):
     """Orbits of one itinerary: the legs' ends are the next ones' starts, and each ends where its guard is
     zero.
 

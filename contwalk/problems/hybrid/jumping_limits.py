@@ -17,7 +17,6 @@ from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.memory import memory_of, remembered
 from contwalk.problems.event_kinks import between, through_zero
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.end_maps import (
     Written,
     after,
@@ -27,6 +26,7 @@ from contwalk.problems.hybrid.end_maps import (
     place_of,
     written,
 )
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kink import JumpThroughZero, Kink, Met
 from contwalk.problems.kinks import AT_END, Course, differ, directions, inputs, located
@@ -60,7 +60,7 @@ class Told:
 # -- between two orbits ------------------------------------------------------------------------------------
 
 
-def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
+def passed(problem: LimitedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
     """What jumps through zero on the way from one orbit to another, at the ends of legs.
 
     Legs of soft transitions, which may come and go, are compared only where both orbits have the same ones.
@@ -87,7 +87,7 @@ def alike(before: tuple[LegView, ...], later: tuple[LegView, ...]) -> Iterator[t
         yield from zip(before, later, strict=True)
 
 
-def _on_leg(problem: DiscretizedOrbit, one: LegView, other: LegView) -> Iterator[Met]:
+def _on_leg(problem: LimitedOrbit, one: LegView, other: LegView) -> Iterator[Met]:
     passage = one.piece.passage
     for told in _told_on(passage):
         for share, (a, b) in enumerate(zip(told.values(one), told.values(other), strict=True)):
@@ -148,7 +148,7 @@ def pieced_guards(passage: Passage) -> Iterator[tuple[Transition, Told]]:
 # -- on the way of one orbit -------------------------------------------------------------------------------
 
 
-def along(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
+def along(problem: LimitedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     """Guards that jump through zero on the way of an orbit: where their event happens, or after it has.
 
     z has the shape (N + 1,).
@@ -158,7 +158,7 @@ def along(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     return tuple(dict.fromkeys(kink for view in problem.view(z) for kink in _along_leg(problem, view, z)))
 
 
-def _along_leg(problem: DiscretizedOrbit, view: LegView, z: np.ndarray) -> Iterator[Kink]:
+def _along_leg(problem: LimitedOrbit, view: LegView, z: np.ndarray) -> Iterator[Kink]:
     passage = view.piece.passage
     if not view.duration > 0.0:
         return
@@ -185,7 +185,7 @@ def _jump(course: Course, low: float, high: float, told: Told) -> JumpThroughZer
     return JumpThroughZero(0, course.where((low, states[0]), (high, states[1])), told.name, told.acts)
 
 
-def course_of(problem: DiscretizedOrbit, view: LegView, told: Told, z: np.ndarray) -> Course:
+def course_of(problem: LimitedOrbit, view: LegView, told: Told, z: np.ndarray) -> Course:
     """A leg, as one of its guards is looked at. z has the shape (N + 1,)."""
     passage, values = view.piece.passage, view.piece.values(view.scalars)
     known = {**problem.values_of(z), **passage.system.mode(passage.leg.mode).constants}

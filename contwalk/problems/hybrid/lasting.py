@@ -16,7 +16,7 @@ import numpy as np
 from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.orbit.layout import Segment
 from contwalk.problems.orbit.piece import Piece
 
@@ -31,7 +31,7 @@ CORRECTIONS, ROUNDED, NEARLY, STALLS = 64, 1e-15, 1e-9, 0.25
 
 
 def fitted(
-    problem: DiscretizedOrbit, z: np.ndarray, normal: np.ndarray, weights: np.ndarray
+    problem: LimitedOrbit, z: np.ndarray, normal: np.ndarray, weights: np.ndarray
 ) -> np.ndarray | None:
     """Unknowns whose legs last until their guards are zero, on the steps of the equations.
 
@@ -63,7 +63,7 @@ def fitted(
 
 
 def _until_met(
-    problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray, segment: Segment
+    problem: LimitedOrbit, machine: HybridMachine, z: np.ndarray, segment: Segment
 ) -> float | None:
     """How long a simulation from the start of a leg's last segment lasts until the leg's event, if ever."""
     i, mesh, (x, scalars) = segment.leg, problem.mesh, problem.layout.inputs_of(segment, z)
@@ -80,7 +80,7 @@ def _until_met(
 
 
 def _on_steps(
-    problem: DiscretizedOrbit, piece: Piece, z: np.ndarray, segment: Segment, lasting: float
+    problem: LimitedOrbit, piece: Piece, z: np.ndarray, segment: Segment, lasting: float
 ) -> float | None:
     """A duration corrected until the guard is zero on the steps of the equations; None if that fails.
 

@@ -13,7 +13,7 @@ import numpy as np
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import cutting
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
+from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.hybrid.switching import discretized, shifted
 from contwalk.problems.orbit.closure import imaged, order_of
@@ -40,12 +40,12 @@ def least(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
     return _beginning(problem, z, problem.layout.legs // 2, 1, name) if name else (problem, z)
 
 
-def repetitions(problem: DiscretizedOrbit, z: np.ndarray) -> int:
+def repetitions(problem: LimitedOrbit, z: np.ndarray) -> int:
     """How many times an orbit goes through the same states. z has the shape (N + 1,)."""
     return next((times for times in _divisions(problem) if _repeated(problem, z, times)), 1)
 
 
-def _divisions(problem: DiscretizedOrbit) -> Iterator[int]:
+def _divisions(problem: LimitedOrbit) -> Iterator[int]:
     """Into how many equal parts an orbit of its itinerary may be divided, the most first."""
     most = problem.layout.legs if problem.itinerary.eventful else max(problem.subharmonic, 2)
     for times in range(most, 1, -1):
@@ -54,7 +54,7 @@ def _divisions(problem: DiscretizedOrbit) -> Iterator[int]:
             yield times
 
 
-def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
+def asymmetries(problem: LimitedOrbit, z: np.ndarray) -> dict[str, float]:
     """How far an orbit, z of shape (N + 1,), is from repeating itself and from being its own image, by name.
 
     In units of its variation.
@@ -71,12 +71,12 @@ def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
     return found | {name: max(apart, default=0.0) for name, apart in halves}
 
 
-def _repeated(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> bool:
+def _repeated(problem: LimitedOrbit, z: np.ndarray, times: int) -> bool:
     """Whether an orbit of an itinerary that repeats itself meets itself after the first of so many parts."""
     return all(apart < ALIKE for apart in _between_parts(problem, z, times))
 
 
-def _between_parts(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> Iterator[float]:
+def _between_parts(problem: LimitedOrbit, z: np.ndarray, times: int) -> Iterator[float]:
     """How far an orbit of an itinerary that repeats itself is from itself after the first of some parts."""
     if not problem.itinerary.eventful:
         yield _apart(problem, z, _part_way(problem, z, times), 0, problem.turns / times)
@@ -88,7 +88,7 @@ def _between_parts(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> Iter
         yield _apart(problem, z, imaged(symmetry, _start(problem, z, i + part), p), i, turns)
 
 
-def _part_way(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> np.ndarray:
+def _part_way(problem: LimitedOrbit, z: np.ndarray, times: int) -> np.ndarray:
     """Full state after the first of so many parts of a closure."""
     views = problem.view(z)
     ends = np.cumsum([view.duration for view in views])
@@ -98,18 +98,18 @@ def _part_way(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> np.ndarra
     return view.full(view.stepped(1.0 - (float(ends[i]) - at) / view.duration))
 
 
-def _start(problem: DiscretizedOrbit, z: np.ndarray, i: int) -> np.ndarray:
+def _start(problem: LimitedOrbit, z: np.ndarray, i: int) -> np.ndarray:
     """Full state at the start of a leg."""
     return problem.passages[i].full(z[problem.layout.states[i]])
 
 
-def _apart(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: int, turns: np.ndarray) -> float:
+def _apart(problem: LimitedOrbit, z: np.ndarray, x: np.ndarray, i: int, turns: np.ndarray) -> float:
     """How far a state is from the one at the start of leg i, but for turns, in units of the variation."""
     own = list(problem.passages[i].states)
     return float(np.linalg.norm((x - turns - _start(problem, z, i))[own] / problem.mesh.variation[own]))
 
 
-def _symmetry(problem: DiscretizedOrbit, name: str) -> Symmetry | None:
+def _symmetry(problem: LimitedOrbit, name: str) -> Symmetry | None:
     return problem.system.symmetry(name) if name else None
 
 
@@ -147,7 +147,7 @@ def _beginning(problem: Kind, z: np.ndarray, legs: int, times: int, image: str) 
     return there, shifted(there, start)
 
 
-def own_image(problem: DiscretizedOrbit, z: np.ndarray) -> str:
+def own_image(problem: LimitedOrbit, z: np.ndarray) -> str:
     """The symmetry under which the second half of a whole orbit is the image of the first; empty if none.
 
     z has the shape (N + 1,).
@@ -158,7 +158,7 @@ def own_image(problem: DiscretizedOrbit, z: np.ndarray) -> str:
     return ""
 
 
-def _swapping(problem: DiscretizedOrbit, z: np.ndarray) -> Iterator[Symmetry]:
+def _swapping(problem: LimitedOrbit, z: np.ndarray) -> Iterator[Symmetry]:
     """Symmetries that take the first half of a whole orbit's itinerary to the second."""
     half, rest = divmod(problem.layout.legs, 2)
     if rest or problem.itinerary.image or not problem.itinerary.eventful or np.any(problem.turns):
@@ -174,7 +174,7 @@ def _swapping(problem: DiscretizedOrbit, z: np.ndarray) -> Iterator[Symmetry]:
             yield symmetry
 
 
-def _halves_alike(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
+def _halves_alike(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
     """Whether each leg lasts as long as the one half a cycle later, and starts at its image."""
     half = problem.layout.legs // 2
     lasting = z[problem.layout.durations]
@@ -183,7 +183,7 @@ def _halves_alike(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) 
     return all(apart < ALIKE for apart in _between_halves(problem, z, symmetry))
 
 
-def _between_halves(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> Iterator[float]:
+def _between_halves(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> Iterator[float]:
     """How far each leg's start in the second half is from the image of that in the first."""
     half, p = problem.layout.legs // 2, ParameterValues(**problem.values_of(z))
     scale = problem.mesh.variation
@@ -199,14 +199,14 @@ def _spatial(system: System) -> list[Symmetry]:
     return [symmetry for symmetry in system.symmetries if symmetry.role == "spatial"]
 
 
-def _its_image(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
+def _its_image(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
     """Whether the machine is its own image half a cycle later."""
     machine = hybrid_machine(problem.system, problem.values_of(z))
     later = 0.5 * problem.duration(z) if problem.forced else 0.0
     return carries(machine, symmetry, _spans(problem, z), later, problem.mesh.variation)
 
 
-def _spans(problem: DiscretizedOrbit, z: np.ndarray) -> list[Span]:
+def _spans(problem: LimitedOrbit, z: np.ndarray) -> list[Span]:
     spans = []
     for stretch in problem.stretches(z):
         (begin, x), (end, y) = stretch.start, stretch.end
@@ -214,7 +214,7 @@ def _spans(problem: DiscretizedOrbit, z: np.ndarray) -> list[Span]:
     return spans
 
 
-def unused_symmetries(problem: DiscretizedOrbit, z: np.ndarray) -> str:
+def unused_symmetries(problem: LimitedOrbit, z: np.ndarray) -> str:
     """Why no orbit of this itinerary is closed up to a declared symmetry, a sentence each; empty if one
     may be.
 
@@ -229,7 +229,7 @@ def unused_symmetries(problem: DiscretizedOrbit, z: np.ndarray) -> str:
     return " ".join(f"Symmetry '{name}' is not used: {why}." for name, why in reasons.items() if why)
 
 
-def _unused(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> str:
+def _unused(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> str:
     if not problem.itinerary.eventful:
         return "an orbit without events is followed over its whole period"
     if order_of(symmetry, _start(problem, z, 0), ParameterValues(**problem.values_of(z))) != 2:

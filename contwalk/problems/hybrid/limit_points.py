@@ -11,7 +11,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError, UnsupportedOperation
 from contwalk.flow.events.guard_derivatives import MOST_ORDER
 from contwalk.problems.hybrid import limit_rows
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import BELOW, LITTLE, at_entry, largest
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.view import LegView
@@ -35,7 +35,7 @@ BESIDE, NEAR = 1e-4, 1e-2
 ROUNDED, STILL, SLOWLY = 1e-13, 1e-8, 0.1
 
 
-def nearest(problem: DiscretizedOrbit, point: SpecialPoint) -> int:
+def nearest(problem: LimitedOrbit, point: SpecialPoint) -> int:
     """The limit that a special point is one of: the smallest margin under its label, and kind where
     it has one.
 
@@ -65,9 +65,7 @@ def nearest(problem: DiscretizedOrbit, point: SpecialPoint) -> int:
     return best
 
 
-def _beside(
-    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, which: list[int]
-) -> dict[int, float]:
+def _beside(problem: LimitedOrbit, z: np.ndarray, tangent: np.ndarray, which: list[int]) -> dict[int, float]:
     """How far from zero some limits are a little beside a point, on both sides; those that are nowhere near
     it are left out, and those that are zero there as well.
     """
@@ -83,7 +81,7 @@ def _beside(
     return off
 
 
-def located(problem: DiscretizedOrbit, which: int, sample: Sample) -> Located | None:
+def located(problem: LimitedOrbit, which: int, sample: Sample) -> Located | None:
     """The point near a sample at which limit number `which` passes zero."""
     try:
         system = system_of(problem, which, sample)
@@ -93,7 +91,7 @@ def located(problem: DiscretizedOrbit, which: int, sample: Sample) -> Located | 
 
 
 def system_of(
-    problem: DiscretizedOrbit, which: int, near: Near, further: np.ndarray | None = None
+    problem: LimitedOrbit, which: int, near: Near, further: np.ndarray | None = None
 ) -> augmented.Augmented | None:
     """The orbit's equations with those of limit number `which`, near a place; None where it is nowhere met.
 
@@ -131,7 +129,7 @@ def system_of(
     return augmented.Augmented(evaluate, start, scale, vectors, in_units=True)
 
 
-def _doubtful(problem: DiscretizedOrbit, limit: Limit) -> tuple[int, ...]:
+def _doubtful(problem: LimitedOrbit, limit: Limit) -> tuple[int, ...]:
     """The legs that may have vanished where a limit is met: its own, or the one that its event leads to."""
     own = problem.itinerary.legs[limit.leg].name == limit.name
     if limit.test == "rate" or (limit.test == "dip" and own):
@@ -139,7 +137,7 @@ def _doubtful(problem: DiscretizedOrbit, limit: Limit) -> tuple[int, ...]:
     return (limit.leg,) if limit.test == "duration" else ()
 
 
-def _vanishes(problem: DiscretizedOrbit, i: int, sample: Near) -> bool:
+def _vanishes(problem: LimitedOrbit, i: int, sample: Near) -> bool:
     """Whether leg i, at whose start its own guard is zero, too, is nearly none.
 
     Then guard and rate at its end are zero wherever it lasts no time: its equation says nothing there.
@@ -158,7 +156,7 @@ def _vanishes(problem: DiscretizedOrbit, i: int, sample: Near) -> bool:
     return turns and abs(float(values[0])) <= max(BELOW * most, rounded)
 
 
-def _solution(problem: DiscretizedOrbit, sample: Near) -> np.ndarray:
+def _solution(problem: LimitedOrbit, sample: Near) -> np.ndarray:
     """The solution nearest to a sample, which may be a guess."""
     try:
         return newton_on(problem, sample.z, sample.weights)
@@ -166,7 +164,7 @@ def _solution(problem: DiscretizedOrbit, sample: Near) -> np.ndarray:
         return sample.z
 
 
-def _typical(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Near) -> float:
+def _typical(problem: LimitedOrbit, i: int, transition: Transition, sample: Near) -> float:
     """What typical changes of the states make of a guard where leg i begins."""
     piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, sample.z)
     own = problem.layout.inputs(i, sample.weights)[0]
@@ -182,7 +180,7 @@ def typical(view: LegView, transition: Transition, magnitudes: np.ndarray) -> fl
     return float(np.abs(slopes) @ magnitudes[list(view.piece.passage.states)])
 
 
-def collapses(problem: DiscretizedOrbit, i: int) -> bool:
+def collapses(problem: LimitedOrbit, i: int) -> bool:
     """Whether leg i is passed in no time where it does not last: its guard acts at entry, and moves there.
 
     One that has led into the leg as well is zero there, whatever the orbit; and one that acts in the leg
@@ -199,7 +197,7 @@ def collapses(problem: DiscretizedOrbit, i: int) -> bool:
     return not armed and leg.name not in system.left_at_zero(before.name, leg.mode)
 
 
-def _vanishing(problem: DiscretizedOrbit, which: int, i: int, sample: Near) -> augmented.Augmented:
+def _vanishing(problem: LimitedOrbit, which: int, i: int, sample: Near) -> augmented.Augmented:
     """The equations of an orbit whose leg i lasts no time, between zeros of a guard that turns there.
 
     Its duration is zero, and so is the first of the guard's derivatives along the motion at its start that is
@@ -241,7 +239,7 @@ def _vanishing(problem: DiscretizedOrbit, which: int, i: int, sample: Near) -> a
     return augmented.Augmented(evaluate, start, scale, vectors, in_units=True)
 
 
-def _around(problem: DiscretizedOrbit, gone: Sequence[int]) -> tuple[int, ...]:
+def _around(problem: LimitedOrbit, gone: Sequence[int]) -> tuple[int, ...]:
     """The limits that pass zero where legs vanish: of the events at both ends of each, on it and beside it.
 
     Solutions beside that point are hardly known: of all equations only one tells whether the leg lasts.
@@ -264,7 +262,7 @@ def _redundant(jacobian: np.ndarray, rows: np.ndarray, columns: np.ndarray, coun
     return left / lengths
 
 
-def _vanishing_with(problem: DiscretizedOrbit, i: int, sample: Near) -> list[int]:
+def _vanishing_with(problem: LimitedOrbit, i: int, sample: Near) -> list[int]:
     """The other legs that vanish, and last as long as leg i."""
     lasting = sample.z[problem.layout.durations]
     return [
@@ -276,7 +274,7 @@ def _vanishing_with(problem: DiscretizedOrbit, i: int, sample: Near) -> list[int
     ]
 
 
-def _first_derivative(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Near) -> int:
+def _first_derivative(problem: LimitedOrbit, i: int, transition: Transition, sample: Near) -> int:
     """The order of the first derivative of a guard by time that is not zero where a short leg begins, however
     long it lasts: after a release from rest it is not the rate.
 
@@ -303,7 +301,7 @@ def _first_derivative(problem: DiscretizedOrbit, i: int, transition: Transition,
 
 
 def _starting(
-    problem: DiscretizedOrbit, i: int, transition: Transition, z: np.ndarray, order: int
+    problem: LimitedOrbit, i: int, transition: Transition, z: np.ndarray, order: int
 ) -> tuple[float, np.ndarray]:
     """A guard's derivative by time of an order where leg i begins, with derivatives by the leg's inputs."""
     piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.margin_values import at_entry
 from contwalk.problems.hybrid.margins import Limit
@@ -24,7 +24,7 @@ Measured = Callable[[Piece, np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarra
 
 
 def rows_of(
-    problem: DiscretizedOrbit, limit: Limit, y: np.ndarray, share: float
+    problem: LimitedOrbit, limit: Limit, y: np.ndarray, share: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Residuals of a limit's equations, shape (k,), and their derivatives by all unknowns, (k, len(y)).
 
@@ -63,7 +63,7 @@ def rows_of(
     return values[k : k + 1], layout.along(layout.segments_of(i)[-1], derivative[k : k + 1])
 
 
-def _ending(problem: DiscretizedOrbit, i: int, z: np.ndarray) -> tuple[Piece, np.ndarray, np.ndarray]:
+def _ending(problem: LimitedOrbit, i: int, z: np.ndarray) -> tuple[Piece, np.ndarray, np.ndarray]:
     """The last segment of leg i, with its state and scalars."""
     layout = problem.layout
     last = sum(layout.cuts[: i + 1]) - 1
@@ -71,7 +71,7 @@ def _ending(problem: DiscretizedOrbit, i: int, z: np.ndarray) -> tuple[Piece, np
 
 
 def _touching(
-    problem: DiscretizedOrbit, i: int, y: np.ndarray, share: float, measured: Measured
+    problem: LimitedOrbit, i: int, y: np.ndarray, share: float, measured: Measured
 ) -> tuple[np.ndarray, np.ndarray]:
     """What is measured at the last unknown, an instant of leg i near a share of it, with derivatives.
 
@@ -103,7 +103,7 @@ def _touching(
 
 
 def second_rate(
-    problem: DiscretizedOrbit, limit: Limit, y: np.ndarray, share: float
+    problem: LimitedOrbit, limit: Limit, y: np.ndarray, share: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """A guard's second derivative over the leg's own time where it touches zero, or arrives with no rate.
 
@@ -129,7 +129,7 @@ def _value_and_rate(
     return watched.differentiated(1.0, x, moved, values)
 
 
-def growth(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, direction: np.ndarray) -> float:
+def growth(problem: LimitedOrbit, z: np.ndarray, limit: Limit, direction: np.ndarray) -> float:
     """How fast along a direction a leg's duration grows, or its guard goes past zero where it begins."""
     row = float(rows_of(problem, limit, z, 0.0)[1][0] @ direction)
     if limit.test == "duration":

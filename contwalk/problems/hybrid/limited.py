@@ -10,7 +10,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.memory import memory_of, remembered
 from contwalk.problems.hybrid import limit_points, limits_told, switching
 from contwalk.problems.hybrid.adjacent import itineraries
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.problem import Located, Sample, Seed
 
@@ -23,10 +23,10 @@ class HybridLimits:
 
     Parameters
     ----------
-    orbit : DiscretizedOrbit
+    orbit : LimitedOrbit
     """
 
-    def __init__(self, orbit: DiscretizedOrbit) -> None:
+    def __init__(self, orbit: LimitedOrbit) -> None:
         self._orbit = orbit
 
     @property
@@ -60,7 +60,7 @@ class HybridLimits:
         return itineraries.found(self._orbit, point)
 
 
-def _given(orbit: DiscretizedOrbit, z: np.ndarray) -> tuple:
+def _given(orbit: LimitedOrbit, z: np.ndarray) -> tuple:
     """All that orbits beside a solution follow from, besides its steps."""
     line, held = orbit.line, orbit.reference if orbit.pins else None
     numbers = (orbit.turns, line.direction, np.zeros(0) if held is None else held)

@@ -19,19 +19,19 @@ included.
 
 from __future__ import annotations
 
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import KINDS, Limit
 from contwalk.system import System, Transition
 
 LABELS = tuple(KINDS)
 
 
-def transition_of(problem: DiscretizedOrbit, limit: Limit) -> Transition:
+def transition_of(problem: LimitedOrbit, limit: Limit) -> Transition:
     """The transition that a limit is about, out of its leg's mode."""
     return problem.system.transition(limit.name, problem.itinerary.legs[limit.leg].mode)
 
 
-def limits_of(problem: DiscretizedOrbit) -> tuple[Limit, ...]:
+def limits_of(problem: LimitedOrbit) -> tuple[Limit, ...]:
     """All limits of an itinerary's orbits, in a fixed order."""
     system, itinerary, found = problem.system, problem.itinerary, []
     for i, leg in enumerate(itinerary.legs):

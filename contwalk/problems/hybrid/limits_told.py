@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import ZERO
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.problem import Located
 
 
-def place_of(problem: DiscretizedOrbit, limit: Limit, located: Located) -> str:
+def place_of(problem: LimitedOrbit, limit: Limit, located: Located) -> str:
     """Where in the cycle a limit is met."""
     leg = problem.itinerary.legs[limit.leg]
     event = problem.itinerary.leading_in(problem.system, limit.leg)
@@ -36,7 +36,7 @@ def place_of(problem: DiscretizedOrbit, limit: Limit, located: Located) -> str:
     return f"'{limit.name}' is touched {after} after {before}, in mode {leg.mode}"
 
 
-def sentence(problem: DiscretizedOrbit, located: Located) -> str:
+def sentence(problem: LimitedOrbit, located: Located) -> str:
     """What fails beyond a limit, and what is nearest to it."""
     there = located.problem if located.problem is not None else problem
     limit = problem.limits[int(located.vectors["limit"])]

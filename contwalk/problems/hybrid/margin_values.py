@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.memory import computed_once
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.view import LegView
@@ -117,7 +117,7 @@ class _Watch:
         return np.inf if self.guard.opens and self.guard.known else self.first, 0.0
 
 
-def margins(problem: DiscretizedOrbit, z: np.ndarray) -> Margins:
+def margins(problem: LimitedOrbit, z: np.ndarray) -> Margins:
     """Values of all limits at a solution. z has the shape (N + 1,)."""
     views = problem.view(z)
     rows: list[tuple[float, float, float]] = []
@@ -147,7 +147,7 @@ def margins(problem: DiscretizedOrbit, z: np.ndarray) -> Margins:
     return Margins(problem.limits, values, scales, places)
 
 
-def _entered(problem: DiscretizedOrbit, limit: Limit, view: LegView) -> tuple[float, float, float]:
+def _entered(problem: LimitedOrbit, limit: Limit, view: LegView) -> tuple[float, float, float]:
     """Value, scale and place of how a guard stands where a mode is entered that lasts no time.
 
     There is no largest value to compare it with: what typical changes of the states make of it is.
@@ -186,7 +186,7 @@ def _leaving(watch: _Watch) -> tuple[float, float, float]:
     return watch.sign * float(map_(0.0, view.x, c)[0]), fastest, 0.0
 
 
-def guarded(problem: DiscretizedOrbit) -> tuple[Guarded | None, ...]:
+def guarded(problem: LimitedOrbit) -> tuple[Guarded | None, ...]:
     """The guard that each of the limits of an itinerary's orbits is one of, if a sampled leg has it."""
     known: dict[tuple[int, str], Guarded] = {}
     found: list[Guarded | None] = []
@@ -201,7 +201,7 @@ def guarded(problem: DiscretizedOrbit) -> tuple[Guarded | None, ...]:
     return tuple(found)
 
 
-def _guarded(problem: DiscretizedOrbit, i: int, transition: Transition) -> Guarded:
+def _guarded(problem: LimitedOrbit, i: int, transition: Transition) -> Guarded:
     """A guard on leg i."""
     system, itinerary, passage = problem.system, problem.itinerary, problem.passages[i]
     leg, before = itinerary.legs[i], itinerary.legs[i - 1]
@@ -328,7 +328,7 @@ def _at_end(watch: _Watch) -> float:
     return end if end >= -watch.before(watch.samples, 1.0)[0] else np.inf
 
 
-def guard_scales(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def guard_scales(problem: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """Largest value of each leg's own guard on it, shape (m,); 1 where there is none."""
     scales = np.ones(problem.layout.legs)
     for i, (leg, view) in enumerate(zip(problem.itinerary.legs, problem.view(z), strict=True)):

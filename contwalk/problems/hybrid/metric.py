@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system.declarations import ParameterValues
 
 
-def magnitudes_near(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def magnitudes_near(orbit: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """Half the range of each state over the orbit; declared scales where there are any.
 
     Both have the shape (N + 1,).
@@ -40,18 +40,18 @@ def magnitudes_near(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     return result
 
 
-def states_along(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def states_along(orbit: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """States at the steps of all legs, shape (k, n). z has the shape (N + 1,)."""
     return np.concatenate([view.full(view.nodes) for view in orbit.view(z)])
 
 
-def _images(orbit: DiscretizedOrbit, z: np.ndarray, states: np.ndarray) -> np.ndarray:
+def _images(orbit: LimitedOrbit, z: np.ndarray, states: np.ndarray) -> np.ndarray:
     """States of the part of the orbit that follows."""
     symmetry, p = orbit.system.symmetry(orbit.itinerary.image), ParameterValues(**orbit.values_of(z))
     return np.array([imaged(symmetry, x, p) for x in states])
 
 
-def drift_scales(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def drift_scales(orbit: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """Drifts that move states by their variation in a closure, or those that there are, if larger.
 
     z has the shape (N + 1,), the drifts (k,).
@@ -62,7 +62,7 @@ def drift_scales(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     return np.maximum(typical, np.abs(z[orbit.layout.drifts]))
 
 
-def beginnings(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def beginnings(orbit: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
     result = np.ones(orbit.size + 1)
     for place, passage in orbit.places:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.limits import LABELS as LIMITS
 from contwalk.problems.images import Product, products
 from contwalk.problems.orbit.itinerary import Leg, has_image, image_of
@@ -24,7 +24,7 @@ from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
 
 
-def mirror_of(problem: DiscretizedOrbit, sample: Sample) -> HybridMirror | None:
+def mirror_of(problem: LimitedOrbit, sample: Sample) -> HybridMirror | None:
     """What takes one half of a branch to the other, by the orbit that it leaves and the deviation there.
 
     None where no declared symmetry, or product of some, does; for orbits that close up to a symmetry, turn,
@@ -48,7 +48,7 @@ def mirror_of(problem: DiscretizedOrbit, sample: Sample) -> HybridMirror | None:
     return None
 
 
-def _images(problem: DiscretizedOrbit, product: Product, legs: tuple[Leg, ...]) -> tuple[Leg, ...] | None:
+def _images(problem: LimitedOrbit, product: Product, legs: tuple[Leg, ...]) -> tuple[Leg, ...] | None:
     """What a product of symmetries takes legs to; None where there is no such transition."""
     for symmetry in product.symmetries:
         if symmetry.role != "spatial" or not all(has_image(problem.system, symmetry, leg) for leg in legs):
@@ -57,7 +57,7 @@ def _images(problem: DiscretizedOrbit, product: Product, legs: tuple[Leg, ...]) 
     return legs
 
 
-class HybridMirror(MirrorOfOrbits[DiscretizedOrbit]):
+class HybridMirror(MirrorOfOrbits[LimitedOrbit]):
     """The map from one half of a branch of whole orbits with events to the other.
 
     Parameters
@@ -70,9 +70,7 @@ class HybridMirror(MirrorOfOrbits[DiscretizedOrbit]):
         Whether the image begins half a closure earlier than that leg, as where the force is reversed then.
     """
 
-    def __init__(
-        self, problem: DiscretizedOrbit, product: Product, first: int, half: int, born: Sample
-    ) -> None:
+    def __init__(self, problem: LimitedOrbit, product: Product, first: int, half: int, born: Sample) -> None:
         super().__init__(problem, product, born)
         self._first, self._half = first, half
 
@@ -82,7 +80,7 @@ class HybridMirror(MirrorOfOrbits[DiscretizedOrbit]):
 
     # -- the map -----------------------------------------------------------------------------------------
 
-    def _pairs(self, there: DiscretizedOrbit) -> Iterator[tuple[int, int]]:
+    def _pairs(self, there: LimitedOrbit) -> Iterator[tuple[int, int]]:
         """Each segment of the image, and the one that it is the image of, by their numbers."""
         layout, legs = there.layout, there.layout.legs
         begins = np.concatenate([[0], np.cumsum(layout.cuts)])
@@ -92,7 +90,7 @@ class HybridMirror(MirrorOfOrbits[DiscretizedOrbit]):
                 yield int(begins[i]) + j, int(begins[source]) + j
 
     def _image(
-        self, there: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray
+        self, there: LimitedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Image of an orbit and of a deviation of it, each of shape (N + 1,)."""
         layout, image, moved = there.layout, z.copy(), tangent.copy()
@@ -111,7 +109,7 @@ class HybridMirror(MirrorOfOrbits[DiscretizedOrbit]):
                 result[layout.start] = begins - 0.5 * self._half * lasting.sum()
         return image, moved
 
-    def _weights(self, there: DiscretizedOrbit, weights: np.ndarray) -> np.ndarray:
+    def _weights(self, there: LimitedOrbit, weights: np.ndarray) -> np.ndarray:
         layout, result = there.layout, weights.copy()
         for own, source in self._pairs(there):
             to, of = layout.segments[own], layout.segments[source]
@@ -120,7 +118,7 @@ class HybridMirror(MirrorOfOrbits[DiscretizedOrbit]):
         result[layout.durations] = np.roll(weights[layout.durations], -self._first)
         return result
 
-    def _mirrored(self, there: DiscretizedOrbit, image: np.ndarray) -> DiscretizedOrbit:
+    def _mirrored(self, there: LimitedOrbit, image: np.ndarray) -> LimitedOrbit:
         """The problem for images: each leg on the steps of the one that it is the image of."""
         mesh, pairs = there.mesh, list(self._pairs(there))
         mesh = replace(
@@ -136,7 +134,7 @@ class HybridMirror(MirrorOfOrbits[DiscretizedOrbit]):
     # -- what is stored ----------------------------------------------------------------------------------
 
     def _told(
-        self, own: DiscretizedOrbit, image: np.ndarray, moved: np.ndarray, metric: np.ndarray, row: np.void
+        self, own: LimitedOrbit, image: np.ndarray, moved: np.ndarray, metric: np.ndarray, row: np.void
     ) -> tuple[Sample, dict[str, Any]]:
         sample = own.examine(image, moved, metric, own.linearize(image), int(row["unstable"]))
         told = {
@@ -151,6 +149,6 @@ class HybridMirror(MirrorOfOrbits[DiscretizedOrbit]):
         z, weights, _ = vectors_of(row)
         return self._problem.adapted_to(z, weights).margins(z).by_name
 
-    def _limits(self, own: DiscretizedOrbit, image: np.ndarray) -> dict[str, Any]:
+    def _limits(self, own: LimitedOrbit, image: np.ndarray) -> dict[str, Any]:
         margins = own.margins(image)
         return {"admissible": margins.admissible, "margin": margins.by_name}

@@ -7,7 +7,7 @@ import numpy as np
 from contwalk import quantities
 from contwalk.errors import measured
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.images import imaged
 from contwalk.problems.orbit.closure import images_of
@@ -25,7 +25,7 @@ NEARLY, MOST_SECANTS = 1e-6, 4
 NOTHING = 1e-6
 
 
-def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch[LegView]]:
+def stretches(problem: LimitedOrbit, z: np.ndarray) -> list[Stretch[LegView]]:
     """The legs of the whole motion; of an orbit that closes up to a symmetry, their images follow.
 
     z has the shape (N + 1,).
@@ -61,21 +61,21 @@ def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch[LegView]
     ]
 
 
-def place(problem: DiscretizedOrbit) -> str:
+def place(problem: LimitedOrbit) -> str:
     """Where the stored state is taken, in words; empty where nothing marks the instant."""
     if problem.discretization.report_at is not None:
         return "at a section"
     return " ".join(reversed(_reporting(problem))) if visits(problem) else ""
 
 
-def visits(problem: DiscretizedOrbit) -> int:
+def visits(problem: LimitedOrbit) -> int:
     """How often the whole orbit meets the event at which its state is reported; 0 where there is none."""
     if problem.discretization.report_at is not None or not problem.itinerary.eventful:
         return 0
     return [leg.name for leg in problem.itinerary.unfolded(problem.system).legs].count(_reporting(problem)[0])
 
 
-def visited(problem: DiscretizedOrbit, z: np.ndarray) -> list[float]:
+def visited(problem: LimitedOrbit, z: np.ndarray) -> list[float]:
     """States at all of these events but the first, one after the other. z has the shape (N + 1,)."""
     if visits(problem) < 2:
         return []
@@ -86,13 +86,13 @@ def visited(problem: DiscretizedOrbit, z: np.ndarray) -> list[float]:
     return [float(value) for x in states for value in held(problem, z, x)]
 
 
-def _reporting(problem: DiscretizedOrbit) -> tuple[str, str]:
+def _reporting(problem: LimitedOrbit) -> tuple[str, str]:
     """The event at which the state is reported, and on which side of it."""
     asked = problem.discretization.report_event
     return asked or (problem.itinerary.unfolded(problem.system).legs[-1].name, "before")
 
 
-def value(problem: DiscretizedOrbit, name: str, z: np.ndarray) -> float:
+def value(problem: LimitedOrbit, name: str, z: np.ndarray) -> float:
     """The value of one observable. z has the shape (N + 1,)."""
     found = problem.multipliers(z, problem.linearize(z).jacobian)
     told = quantities.column(name, problem.observable_names, problem.observables(z, found))
@@ -100,7 +100,7 @@ def value(problem: DiscretizedOrbit, name: str, z: np.ndarray) -> float:
     return float(told)
 
 
-def values(problem: DiscretizedOrbit, z: np.ndarray, found: Multipliers) -> list[float]:
+def values(problem: LimitedOrbit, z: np.ndarray, found: Multipliers) -> list[float]:
     """Values of `observable_names`. z has the shape (N + 1,)."""
     problem, z = problem.explicit(z)
     margins = problem.margins(z)
@@ -144,9 +144,7 @@ def split(multipliers: np.ndarray) -> float:
     return best
 
 
-def at_event(
-    problem: DiscretizedOrbit, z: np.ndarray, name: str, side: str
-) -> tuple[float, np.ndarray] | None:
+def at_event(problem: LimitedOrbit, z: np.ndarray, name: str, side: str) -> tuple[float, np.ndarray] | None:
     """Time and full state before or after the first event of a name; None if the orbit has none.
 
     z has the shape (N + 1,), the state (n,).
@@ -158,7 +156,7 @@ def at_event(
     return None
 
 
-def reported(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def reported(problem: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """The state before the first event of the signature, or where the run asks for it, shape (n,).
 
     Along pinned directions it is moved to where these are held.
@@ -177,7 +175,7 @@ def reported(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     return held(problem, z, x)
 
 
-def held(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
+def held(problem: LimitedOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
     """A state moved along the pinned directions to where these are held.
 
     z has the shape (N + 1,), states (n,).
@@ -191,7 +189,7 @@ def held(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
     return x
 
 
-def _passing(problem: DiscretizedOrbit, z: np.ndarray, place: Place) -> np.ndarray:
+def _passing(problem: LimitedOrbit, z: np.ndarray, place: Place) -> np.ndarray:
     """The state at which the motion first passes a value of a state inside a leg; NaN if it never does."""
     stretches = problem.stretches(z)
     if not problem.itinerary.eventful:
@@ -233,7 +231,7 @@ def _refined(stretch: Stretch[LegView], place: Place, turn: float, near: float) 
     return there
 
 
-def growth(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def growth(orbit: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """By how much each state is larger after the whole motion: turns of angles, and drifts.
 
     z has the shape (N + 1,), the growth (n,).

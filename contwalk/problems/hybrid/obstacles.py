@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.orbit.kinks_met import kinks_along
 
 # Growth of deviations over a leg that is told where a branch cannot go on.
@@ -15,7 +15,7 @@ COLLAPSED = 1e-13
 STILL = 1e-9
 
 
-def obstacle(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
+def obstacle(orbit: LimitedOrbit, z: np.ndarray) -> str:
     """Where the field is smooth by pieces only, or over which leg deviations grow.
 
     z has the shape (N + 1,).
@@ -41,7 +41,7 @@ def obstacle(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
     return f"{told} Begin the branch with more segments (`engine: {{segments: {2 * orbit.cuts}}}`)."
 
 
-def collapsed(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
+def collapsed(orbit: LimitedOrbit, z: np.ndarray) -> str:
     """Name of an event that follows its predecessor at once, to rounding; empty if there is none.
 
     A guard that is zero after its own reset has a second, spurious zero there: a leg without length.
@@ -58,7 +58,7 @@ def collapsed(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
     return orbit.itinerary.legs[shortest].name
 
 
-def _clocked(orbit: DiscretizedOrbit) -> bool:
+def _clocked(orbit: LimitedOrbit) -> bool:
     """Whether an event happens at given times: at rest, too."""
     each = zip(orbit.itinerary.legs, orbit.passages, strict=True)
     return any(leg.transition is not None and own.of_time_alone(leg.transition) for leg, own in each)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.hybrid.machine import hybrid_machine
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import BELOW
 from contwalk.problems.orbit.itinerary import imaged_leg
 from contwalk.python_functions import line_aside
 from contwalk.system import Transition
 
 
-def past_all_along(problem: DiscretizedOrbit, z: np.ndarray) -> str:
+def past_all_along(problem: LimitedOrbit, z: np.ndarray) -> str:
     """A sentence on such transitions; empty if there are none. z has the shape (N + 1,)."""
     found = _never_armed(problem, z)
     return " ".join(_sentence(transition) for transition in found)
@@ -27,7 +27,7 @@ def _sentence(transition: Transition) -> str:
     )
 
 
-def _never_armed(problem: DiscretizedOrbit, z: np.ndarray) -> list[Transition]:
+def _never_armed(problem: LimitedOrbit, z: np.ndarray) -> list[Transition]:
     """Edges that act and are past zero wherever the orbit is in their modes."""
     there, own = problem.explicit(z)
     system, machine = there.system, hybrid_machine(there.system, there.values_of(own))

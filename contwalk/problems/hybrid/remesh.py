@@ -9,12 +9,11 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid import cutting, margin_values
-from contwalk.problems.hybrid.discretized_orbit import Kind
+from contwalk.problems.hybrid.limited_orbit import Kind
 from contwalk.problems.hybrid.shooting import AT_REST, meshed, most_steps
 from contwalk.problems.orbit.discretization import STAGES
-from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.section import Section, section_at
-from contwalk.problems.orbit.segmented_orbit import PARTS
+from contwalk.problems.orbit.discretized_orbit import section_through
+from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.sample import Sample
 
@@ -54,19 +53,16 @@ def adapted_to(
             flow.ErrorControl(asked, magnitudes, most),
             orbit.discretization.integrator(asked),
             orbit.itinerary.has_halves(orbit.system),
-            1 if orbit.itinerary.eventful or len(orbit.itinerary) > 1 else PARTS,
+            orbit.parts,
         )
     except NotFinite:
         orbit.effort.spend(STAGES["radau9"] * most)
         raise
     orbit.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
-    if section is None and not (orbit.itinerary.eventful or orbit.forced):
+    if section is None:
         x, scalars = inputs[0]
-        c = orbit.passages[0].field(PLAIN).constants(np.concatenate([scalars, orbit.line.constants]))
-        own, units = orbit.passages[0].field(PLAIN)(0.0, x, c), magnitudes[list(orbit.passages[0].states)]
-        # At a Hopf point nothing moves: the section is that with which the cycle was begun.
-        still = np.linalg.norm(own / units) <= AT_REST and orbit.section is not None
-        section = orbit.section if still else section_at(x, own, units)
+        values = np.concatenate([scalars, orbit.line.constants])
+        section = section_through(orbit, x, values, magnitudes[list(orbit.passages[0].states)])
     # An orbit that has shrunk to no time at all has the unit of those beside it.
     total = abs(orbit.duration(z)) or (1.0 if orbit._mesh is None else orbit._mesh.total)
     mesh = replace(mesh, total=total, reason=orbit.discretization.why(mesh.reason))

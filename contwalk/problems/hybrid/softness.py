@@ -12,8 +12,8 @@ from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.memory import memory_of, remembered
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.grouping import NO_TIME
+from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.hybrid.limits import Limit, conditions_at, limits_of_leg
 from contwalk.problems.hybrid.margin_values import ZERO, largest
 from contwalk.problems.hybrid.switching import discretized, rotated, shifted
@@ -101,7 +101,7 @@ def _cut(problem: Kind, z: np.ndarray, share: float) -> tuple[Kind, np.ndarray]:
 
 
 def passed(
-    problem: DiscretizedOrbit, z: np.ndarray, magnitudes: np.ndarray
+    problem: LimitedOrbit, z: np.ndarray, magnitudes: np.ndarray
 ) -> tuple[Itinerary, list[np.ndarray], list[float]]:
     """The explicit itinerary over z, with full states at the starts of its legs and their durations.
 
@@ -135,7 +135,7 @@ def passed(
     return Itinerary(tuple(found), problem.itinerary.image), states, lasting
 
 
-def _held(problem: DiscretizedOrbit, z: np.ndarray, states: np.ndarray, since: np.ndarray) -> np.ndarray:
+def _held(problem: LimitedOrbit, z: np.ndarray, states: np.ndarray, since: np.ndarray) -> np.ndarray:
     """States of a motion, so long after its leg began, moved along pinned directions as the drifts say."""
     shares = np.outer(since, z[problem.layout.drifts])
     return neutrals.shifted(problem.system, problem.pins, states, problem.values_of(z), shares)
@@ -168,7 +168,7 @@ def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray, 
     )
 
 
-def holds(explicit: DiscretizedOrbit, unknowns: np.ndarray) -> bool:
+def holds(explicit: LimitedOrbit, unknowns: np.ndarray) -> bool:
     """Whether the soft transitions of an orbit are those that the machine meets: no guard is past zero.
 
     Unknowns have the shape (N + 1,) of the explicit orbit.

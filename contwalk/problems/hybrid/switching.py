@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.problems.hybrid import cutting
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
+from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.orbit import monodromy, variations
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
@@ -35,7 +35,7 @@ ALIKE = 1e-6
 MOST_SHIFTS, SHIFTED = 5, 2.0
 
 
-def discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None = None) -> Kind:
+def discretized(problem: Kind, z: np.ndarray, parent: LimitedOrbit | None = None) -> Kind:
     """The problem on fine steps for a stored solution.
 
     A solution at rest may be a rounding of zero, which is no scale. What its states are measured in is known
@@ -50,7 +50,7 @@ def discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None = 
     return problem.known.at("discretized", z, 1, lambda: _discretized(problem, z, None))
 
 
-def _discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None) -> Kind:
+def _discretized(problem: Kind, z: np.ndarray, parent: LimitedOrbit | None) -> Kind:
     """As `discretized`, of a problem with the segments of z, shape (N + 1,)."""
     layout = problem.layout
     reached = np.zeros(problem.states)
@@ -71,7 +71,7 @@ def _discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None) 
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
-def _between(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def _between(problem: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """How large each state becomes on the legs, roughly; zero where a few even steps do not tell."""
     found = []
     for count in PILOT:
@@ -92,7 +92,7 @@ def _between(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     return finer if alike else np.zeros(problem.states)
 
 
-def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
+def doubled(problem: LimitedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit of the itinerary run through twice that leaves along the critical vector.
 
     Where the second round is the image of the first, as where a symmetry keeps every state of the parent and
@@ -113,7 +113,7 @@ def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     return _alternating(problem, z, other, lambda i, x: x, "PD")
 
 
-def _reversing(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> str:
+def _reversing(problem: LimitedOrbit, z: np.ndarray, v: np.ndarray) -> str:
     """The symmetry that keeps each leg of an orbit and reverses a deviation of it; empty if there is none."""
     layout, itinerary = problem.layout, problem.itinerary
     if itinerary.image or not itinerary.eventful or problem.pins or np.any(problem.turns):
@@ -125,7 +125,7 @@ def _reversing(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> str:
     return next((s.name for s in spatial if _reverses(problem, z, v / size, s)), "")
 
 
-def _reverses(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, symmetry: Symmetry) -> bool:
+def _reverses(problem: LimitedOrbit, z: np.ndarray, v: np.ndarray, symmetry: Symmetry) -> bool:
     p, scale = ParameterValues(**problem.values_of(z)), problem.mesh.variation
     for leg, passage, place in zip(
         problem.itinerary.legs, problem.passages, problem.layout.states, strict=True
@@ -138,7 +138,7 @@ def _reverses(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, symmetry:
     return True
 
 
-def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
+def unfolded(problem: LimitedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to. z has the shape (N + 1,)."""
     other, symmetry = (
         problem.of_itinerary(problem.itinerary.unfolded(problem.system)),
@@ -155,9 +155,9 @@ def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
 
 
 def _alternating(
-    problem: DiscretizedOrbit,
+    problem: LimitedOrbit,
     z: np.ndarray,
-    other: DiscretizedOrbit,
+    other: LimitedOrbit,
     image: Callable[[int, np.ndarray], np.ndarray],
     label: str,
 ) -> Sequence[Seed]:
@@ -196,7 +196,7 @@ def _alternating(
     return (Seed(label, start, tangent, amplitude(tangent), walking, one_sided=label == "PD"),)
 
 
-def _joined(problem: DiscretizedOrbit, lasting: np.ndarray, sign: float) -> np.ndarray:
+def _joined(problem: LimitedOrbit, lasting: np.ndarray, sign: float) -> np.ndarray:
     """Durations of all legs over two rounds, or changes of them; those of the second have a sign."""
     second = sign * lasting
     if problem.itinerary.eventful:
@@ -205,7 +205,7 @@ def _joined(problem: DiscretizedOrbit, lasting: np.ndarray, sign: float) -> np.n
 
 
 def _held(
-    problem: DiscretizedOrbit, start: np.ndarray, tangent: np.ndarray, weights: np.ndarray
+    problem: LimitedOrbit, start: np.ndarray, tangent: np.ndarray, weights: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """An orbit and a direction in which orbits leave it, as one sees them who drifts along all of the cycle.
 
@@ -227,7 +227,7 @@ def _held(
     return start, (plane @ shares)[:, 0]
 
 
-def shifted(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def shifted(problem: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """An orbit that is right but for drifts and for its starts along pinned directions, with these.
 
     Both have the shape (N + 1,).
@@ -267,9 +267,9 @@ def rotated(problem: Kind, z: np.ndarray, first: int) -> tuple[Kind, np.ndarray]
 
 
 def _with_segments(
-    problem: DiscretizedOrbit,
+    problem: LimitedOrbit,
     z: np.ndarray,
-    other: DiscretizedOrbit,
+    other: LimitedOrbit,
     bare: np.ndarray,
     first: int,
     symmetry: Symmetry | None,
@@ -285,7 +285,7 @@ def _with_segments(
     return cutting.completed(bare, found)
 
 
-def _along_pins(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def _along_pins(problem: LimitedOrbit, z: np.ndarray) -> np.ndarray:
     """Directions in which the legs' starts move along pinned directions, and the drifts, as columns."""
     layout, columns = problem.layout, []
     for i, n in enumerate(layout.sizes):

@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite, PluginError
 from contwalk.flow.hybrid.functions_without_value import functions_of
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kink import Undefined
@@ -18,7 +18,7 @@ from contwalk.system import Transition
 BREAKDOWNS = (NotFinite, PluginError, np.linalg.LinAlgError)
 
 
-def where(problem: DiscretizedOrbit, z: np.ndarray) -> str:
+def where(problem: LimitedOrbit, z: np.ndarray) -> str:
     """`The NAME: file, line n: what` of the first function without a value on the way of z; empty if all have
     one.
 
@@ -33,7 +33,7 @@ def where(problem: DiscretizedOrbit, z: np.ndarray) -> str:
     return next((found for view in views if (found := _on_leg(view))), "")
 
 
-def refuse_guards(problem: DiscretizedOrbit, z: np.ndarray, margins: Margins) -> None:
+def refuse_guards(problem: LimitedOrbit, z: np.ndarray, margins: Margins) -> None:
     """Raise for an orbit on which a guard out of a leg's mode has no value, whether it ends the leg or not.
 
     Nothing tells then whether its event happens. Conditions, at which nothing happens, are told otherwise.
@@ -59,7 +59,7 @@ def refuse_guards(problem: DiscretizedOrbit, z: np.ndarray, margins: Margins) ->
             raise refusal(sentence)
 
 
-def conditions(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Undefined, ...]:
+def conditions(problem: LimitedOrbit, z: np.ndarray) -> tuple[Undefined, ...]:
     """The conditions at soft transitions of an orbit z, shape (N + 1,), that are not a number there.
 
     Which soft transitions an orbit meets is not stored, as that of hard ones is: nothing tells later whether

@@ -17,7 +17,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.problems.hybrid import limit_points
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.orbit.solving import error_holding
 from contwalk.problems.orbit.vanishing import shrunk
 from contwalk.problems.problem import Sample
@@ -39,7 +39,7 @@ LASTS = 1e-2
 Size = Callable[[np.ndarray], float]
 
 
-def in_no_time(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
+def in_no_time(problem: LimitedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """The closure shrinks to no time at all: its events follow each other at once, for ever."""
     if not a.period > 0.0 >= b.period:
         return None
@@ -49,7 +49,7 @@ def in_no_time(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | Non
     )
 
 
-def onto_an_event(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
+def onto_an_event(problem: LimitedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """An event's guard comes to be zero all along its leg, which lasts: the orbit has shrunk to a point."""
     magnitudes = problem.magnitudes_of(b.weights)
     for leg, transition in problem.events:
@@ -62,7 +62,7 @@ def onto_an_event(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | 
     return None
 
 
-def _through_zero(problem: DiscretizedOrbit, leg: int, a: Sample, b: Sample) -> str:
+def _through_zero(problem: LimitedOrbit, leg: int, a: Sample, b: Sample) -> str:
     """Where a guard vanishes all along its leg between two orbits; empty if it does not."""
 
     def rate(z: np.ndarray) -> float:
@@ -82,7 +82,7 @@ def _through_zero(problem: DiscretizedOrbit, leg: int, a: Sample, b: Sample) -> 
     return _where(problem, a, b, lambda z: rate(z) / first)
 
 
-def _to_zero(problem: DiscretizedOrbit, leg: int, a: Sample, b: Sample, magnitudes: np.ndarray) -> str:
+def _to_zero(problem: LimitedOrbit, leg: int, a: Sample, b: Sample, magnitudes: np.ndarray) -> str:
     """Where a guard that is nearly zero all along its leg will be; empty if it is not.
 
     A family need not have solutions beyond its point, and is followed then until it is one to rounding. The
@@ -107,7 +107,7 @@ def _to_zero(problem: DiscretizedOrbit, leg: int, a: Sample, b: Sample, magnitud
     return _told(problem, float(b.z[-1]), MOST_POWER * abs(left))
 
 
-def _where(problem: DiscretizedOrbit, a: Sample, b: Sample, size: Size) -> str:
+def _where(problem: LimitedOrbit, a: Sample, b: Sample, size: Size) -> str:
     """The parameter at which a size passes zero between two orbits, with its error, in words."""
     share = _root(a, b, size)
     value = float(_cubic(a, b)(share)[-1])
@@ -115,12 +115,12 @@ def _where(problem: DiscretizedOrbit, a: Sample, b: Sample, size: Size) -> str:
     return _told(problem, value, abs(value - straight) + _noise(problem, a, b))
 
 
-def _told(problem: DiscretizedOrbit, value: float, error: float) -> str:
+def _told(problem: LimitedOrbit, value: float, error: float) -> str:
     value = 0.0 if abs(value) <= error else value
     return f"{problem.free} = {value:.10g} +- {error:.1e}"
 
 
-def _noise(problem: DiscretizedOrbit, a: Sample, b: Sample) -> float:
+def _noise(problem: LimitedOrbit, a: Sample, b: Sample) -> float:
     """What errors of the equations do to the parameter of an orbit of a size."""
     held = (b.z - a.z) / a.weights**2
     held[-1] = 0.0
@@ -161,7 +161,7 @@ def _cubic(a: Sample, b: Sample) -> Callable[[float], np.ndarray]:
     return at
 
 
-def arrival(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> float:
+def arrival(orbit: LimitedOrbit, z: np.ndarray, i: int) -> float:
     """How fast the guard that ends leg i arrives. z has the shape (N + 1,)."""
     transition, piece = orbit.itinerary.legs[i].transition, orbit.pieces_of(z, i)[-1]
     assert transition is not None
@@ -170,14 +170,14 @@ def arrival(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> float:
     return float(piece.guard(own)[2][-1]) / (piece.duration or 1.0)
 
 
-def reach(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> float:
+def reach(orbit: LimitedOrbit, z: np.ndarray, i: int) -> float:
     """Largest value, at the steps, of the guard that ends leg i. z has the shape (N + 1,)."""
     transition = orbit.itinerary.legs[i].transition
     assert transition is not None
     return max(piece.size_at_steps(transition) for piece in orbit.pieces_of(z, i))
 
 
-def typical_guard(orbit: DiscretizedOrbit, z: np.ndarray, magnitudes: np.ndarray, i: int) -> float:
+def typical_guard(orbit: LimitedOrbit, z: np.ndarray, magnitudes: np.ndarray, i: int) -> float:
     """What typical changes of the states, `magnitudes_of` weights, make of the guard that ends leg i.
 
     z has the shape (N + 1,), magnitudes (n,).

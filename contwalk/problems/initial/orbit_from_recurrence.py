@@ -13,8 +13,8 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import cutting, families
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
+from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.initial.orbit_from_state import started
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import ParameterLine
@@ -141,7 +141,7 @@ def _placed(
 
 
 def _drifting(
-    problem: DiscretizedOrbit, recurrence: HybridRecurrence, parameters: dict[str, float]
+    problem: LimitedOrbit, recurrence: HybridRecurrence, parameters: dict[str, float]
 ) -> tuple[np.ndarray, list[np.ndarray]]:
     """The drifts with which a recurrence closes, and its legs' first states as one who drifts sees them."""
     first, states = recurrence.stretches[0], [stretch.state for stretch in recurrence.stretches]

@@ -154,7 +154,7 @@ def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> N
     StartError
         If the field vanishes at the state.
     """
-    if not problem.forced and not np.any(velocity(problem.passage, x, 0.0, values)):
+    if not problem.forced and not np.any(velocity(problem.passages[0], x, 0.0, values)):
         raise StartError(
             "The field is zero at the start: an equilibrium, which is no periodic orbit.",
             "Start at another state, or continue the equilibrium with start: {state: {...}}.",
@@ -163,11 +163,11 @@ def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> N
 
 def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, Mesh]:
     """By how much angles grow in one period, in whole turns, and the steps of a first look at the motion."""
-    field = problem.passage.field(PLAIN)
+    field = problem.passages[0].field(PLAIN)
     largest = float(np.abs(x).max())
     size = np.maximum(np.abs(x), 1e-3 * largest if largest > 0.0 else 1.0)
     choice = choose(field, field.constants(values), 0.0, x, 1.0, ErrorControl(ROUGH, size))
-    path = arrived(choice.path, problem.passage, values)
+    path = arrived(choice.path, problem.passages[0], values)
     own = np.array([s.period or 0.0 for s in problem.system.states])
     grown = path.states[-1] - path.states[0]
     turns = np.where(own > 0.0, np.round(np.divide(grown, own, out=np.zeros_like(grown), where=own > 0)), 0.0)
@@ -183,8 +183,8 @@ def cut(problem: PeriodicOrbit, z: np.ndarray, magnitudes: np.ndarray) -> tuple[
     cuts, n = first_cuts(problem, z), problem.states
     m = len(cuts)
     # On the problem's own steps: where deviations grow that much, other steps lead elsewhere.
-    there = problem.laid_out(problem.curve(z).at(cuts), z[n:], cuts)
-    weights = problem.laid_out(np.tile(magnitudes * np.sqrt(m), m), np.abs(z[n:]), 1.0)
+    there = problem.layout.joined(problem.curve(z).at(cuts), z[n:], cuts)
+    weights = problem.layout.joined(np.tile(magnitudes * np.sqrt(m), m), np.abs(z[n:]), 1.0)
     return problem.adapted_to(there, weights), there
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.problems.orbit.closure import imaged, order_of
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.transport import carried_to
 from contwalk.system.declarations import ParameterValues
 
@@ -13,13 +13,13 @@ from contwalk.system.declarations import ParameterValues
 AT_REST = 1e-6
 
 
-def of_moving(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
+def of_moving(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
     """As `asymmetries`; nothing of an orbit at rest, z of shape (N + 1,), whose images are all itself."""
     mesh = problem.mesh
     return {} if (mesh.variation <= AT_REST * mesh.magnitudes).all() else asymmetries(problem, z)
 
 
-def asymmetries(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
+def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
     """Distances of an orbit, z of shape (N + 1,), from its images, by name: zero where it is its parent's.
 
     It is compared with itself half a closure later; of an orbit that closes up to a symmetry, of which each

@@ -7,7 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from contwalk.memory import computed_once
+from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.extrema import PARTS, Smooth, with_extrema
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.solution import Curve
 
@@ -23,16 +25,21 @@ class ClosureView:
     piece : Piece
         The last of its segments.
     curve : Curve
-    constants : ndarray
-        What its field takes from scalars and fixed parameters.
+    values : ndarray
+        What the leg's functions depend on: scalars and fixed parameters.
     duration : float
         Seconds.
     """
 
     start = 0.0
 
-    def __init__(self, piece: Piece, curve: Curve, constants: np.ndarray, duration: float) -> None:
-        self.piece, self.curve, self.constants, self.duration = piece, curve, constants, duration
+    def __init__(self, piece: Piece, curve: Curve, values: np.ndarray, duration: float) -> None:
+        self.piece, self.curve, self.duration, self._values = piece, curve, duration, values
+
+    @computed_once
+    def constants(self) -> np.ndarray:
+        """What its field takes from them. Shape (c,)."""
+        return self.piece.passage.field(PLAIN).constants(self._values)
 
     @property
     def x(self) -> np.ndarray:
@@ -67,6 +74,14 @@ class ClosureView:
         Shapes (k,) and (k, n).
         """
         return self.curve.sampled(number)
+
+    def course(self) -> list[Course]:
+        """The closure as it is looked at for kinks of its field, where it may have any."""
+        passage = self.piece.passage
+        if passage.switching is None:
+            return []
+        course = passage.course(self._values, *self.curve.sampled(SAMPLES), self.curve.at)
+        return [] if course is None else [course]
 
     def full(self, x: np.ndarray) -> np.ndarray:
         """All states exist. Shape (n,) or (k, n)."""

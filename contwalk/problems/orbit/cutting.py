@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.step_blocks import Steps, blocks, first_of_blocks, steps_of
 from contwalk.problems.orbit.stretching import stretched
 from contwalk.problems.orbit.transport import segments_for
@@ -35,7 +35,7 @@ BETTER = 0.1
 APART = 1e-9
 
 
-def most_segments(orbit: SegmentedOrbit, room: int) -> int:
+def most_segments(orbit: DiscretizedOrbit, room: int) -> int:
     """Segments that an orbit may be cut into along its branch; `room` if they are of equal duration."""
     if not orbit.uneven:
         return max(room, 2 * orbit.mesh.segments)
@@ -44,7 +44,7 @@ def most_segments(orbit: SegmentedOrbit, room: int) -> int:
     return max(room, orbit.mesh.segments, min(cuts, unknowns // (orbit.states + 1)))
 
 
-def recutting(orbit: SegmentedOrbit, z: np.ndarray, room: int) -> np.ndarray | None:
+def recutting(orbit: DiscretizedOrbit, z: np.ndarray, room: int) -> np.ndarray | None:
     """Times at which the segments of an orbit are to start instead, shape (m,); None where they are well."""
     m = orbit.mesh.segments
     if not orbit.uneven:
@@ -59,14 +59,14 @@ def recutting(orbit: SegmentedOrbit, z: np.ndarray, room: int) -> np.ndarray | N
     return found if grown > TOO_GROWN and _most_grown(steps, found) < BETTER * grown else None
 
 
-def begun_at(orbit: SegmentedOrbit, z: np.ndarray, room: int, begin: float) -> np.ndarray:
+def begun_at(orbit: DiscretizedOrbit, z: np.ndarray, room: int, begin: float) -> np.ndarray:
     """Times at which segments start, shape (m,), of the same orbit that begins later."""
     if not orbit.uneven or orbit.mesh.segments == 1:
         return orbit.mesh.cuts
     return cuts_for(orbit, z, most_segments(orbit, room), begin)
 
 
-def first_cuts(orbit: SegmentedOrbit, z: np.ndarray) -> np.ndarray:
+def first_cuts(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """Times at which the segments of an orbit are to start that is one segment yet, shape (m,)."""
     m = segments_for(orbit, z)
     if m == 1 or not orbit.uneven or orbit.discretization.segments is not None:
@@ -74,7 +74,7 @@ def first_cuts(orbit: SegmentedOrbit, z: np.ndarray) -> np.ndarray:
     return cuts_for(orbit, z, most_segments(orbit, 1))
 
 
-def cuts_for(orbit: SegmentedOrbit, z: np.ndarray, most: int, begin: float = 0.0) -> np.ndarray:
+def cuts_for(orbit: DiscretizedOrbit, z: np.ndarray, most: int, begin: float = 0.0) -> np.ndarray:
     """Times at which segments start over which deviations grow by no more than `GROWN`, shape (m,).
 
     Where that makes more segments than `most`, deviations may grow by more in each. Parts of the closure in

@@ -135,13 +135,13 @@ class ClosureLayout(Positions):
         places = [slice(i * states, (i + 1) * states) for i in range(cuts)]
         self.legs, self.sizes, self.cuts, self.size = 1, (states,), (cuts,), shared
         self.states, self.matches = places[:1], places[-1:]
-        self._scalars: slice | np.ndarray = slice(total, None)
+        self.scalars: slice | np.ndarray = slice(total, None)
         self.durations, self.drifts = slice(total, total + timed), slice(total + timed, shared)
         self.times, begins = times, np.arange(cuts) / cuts
         if times is not None:
             begins, self.size = times, shared + cuts - 1
-            self._scalars = np.append(np.arange(total, shared), self.size)
-        self.inside = slice(shared, self.size)
+            self.scalars = np.append(np.arange(total, shared), self.size)
+        self.begins, self.inside = begins, slice(shared, self.size)
         self.rest = self.exact = slice(total, self.size)
         self.guards, self.held = total, total + timed
         self.start, self.sum, self.phase = None, None, None if forced else total
@@ -158,17 +158,33 @@ class ClosureLayout(Positions):
 
         Shapes (n_i,) and (k,) of z, shape (N + 1,).
         """
-        return z[segment.states], z[self._scalars]
+        return z[segment.states], z[self.scalars]
 
     def along(self, segment: Segment, rows: np.ndarray) -> np.ndarray:
         """Derivatives by a segment's inputs, (r, n + k), as derivatives by z, (r, N + 1)."""
         n, result = segment.states.stop - segment.states.start, np.zeros((len(rows), self.size + 1))
-        result[:, segment.states], result[:, self._scalars] = rows[:, :n], rows[:, n:]
+        result[:, segment.states], result[:, self.scalars] = rows[:, :n], rows[:, n:]
         return result
 
     def inside_of(self, segment: Segment, shares: np.ndarray) -> np.ndarray:
         """The same instants, shape (k,): steps are in times of the closure."""
         return shares
+
+    def joined(self, states: np.ndarray, scalars: np.ndarray, cuts: np.ndarray | float = 0.0) -> np.ndarray:
+        """A vector of unknowns, or of something of each, in any number m of segments, from its parts.
+
+        Parameters
+        ----------
+        states : ndarray, shape (m, n) or (m n,)
+        scalars : ndarray, shape (k,)
+        cuts : ndarray, shape (m,), or float
+            The times at which segments start; or what stands in the place of all these.
+        """
+        flat = np.ravel(states)
+        if self.times is None:
+            return np.concatenate([flat, scalars])
+        inner = np.broadcast_to(cuts, len(flat) // self.sizes[0])[1:]
+        return np.concatenate([flat, scalars[:-1], inner, scalars[-1:]])
 
 
 class Layout(Positions):

@@ -16,11 +16,11 @@ import numpy as np
 from contwalk import flow
 from contwalk.problems.images import Product, products
 from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, section_through
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.mirror_of_orbits import Given, MirrorOfOrbits
 from contwalk.problems.orbit.sampling import measured_along
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit, section_through
 from contwalk.problems.orbit.shooting import arrived, velocity
 from contwalk.problems.orbit.stored_discretizations import vectors_of
 from contwalk.problems.passed_over import passed_over
@@ -34,7 +34,7 @@ MOST_SHIFTS = 12
 BETWEEN = 1e-3
 
 
-def mirror_of(problem: SegmentedOrbit, sample: Sample) -> OrbitMirror | None:
+def mirror_of(problem: DiscretizedOrbit, sample: Sample) -> OrbitMirror | None:
     """What takes one half of a branch to the other, by the orbit that it leaves and the deviation there.
 
     None where no declared symmetry, or product of some, does; for orbits that close up to a symmetry, turn,
@@ -54,7 +54,7 @@ def mirror_of(problem: SegmentedOrbit, sample: Sample) -> OrbitMirror | None:
     return None
 
 
-class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
+class OrbitMirror(MirrorOfOrbits[DiscretizedOrbit]):
     """The map from one half of a branch of whole orbits to the other.
 
     Parameters
@@ -65,10 +65,10 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
         The part of the period by which the image begins later.
     """
 
-    def __init__(self, problem: SegmentedOrbit, product: Product, share: float, born: Sample) -> None:
+    def __init__(self, problem: DiscretizedOrbit, product: Product, share: float, born: Sample) -> None:
         super().__init__(problem, product, born)
         self._share = share
-        self._passed: tuple[SegmentedOrbit, bytes, Passed] | None = None
+        self._passed: tuple[DiscretizedOrbit, bytes, Passed] | None = None
 
     # -- the map -----------------------------------------------------------------------------------------
 
@@ -80,17 +80,17 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
         problem = self._problem
         p, values = (
             ParameterValues(**problem.values_of(z)),
-            np.concatenate([problem.scalars(z), problem.line.constants]),
+            problem.given(z),
         )
         scale, at = problem.mesh.variation, 0.3
         x = problem.starts(z)[0] + 0.1 * scale * np.cos(np.arange(1.0, problem.states + 1.0))
-        moved = self._linear @ velocity(problem.passage, x, at + self._share, values)
-        there = velocity(problem.passage, self._product.state(x, p), at, values)
+        moved = self._linear @ velocity(problem.passages[0], x, at + self._share, values)
+        there = velocity(problem.passages[0], self._product.state(x, p), at, values)
         return bool(np.linalg.norm((moved - there) / scale) <= 1e-8 * np.linalg.norm(moved / scale))
 
     def _image(
         self,
-        there: SegmentedOrbit,
+        there: DiscretizedOrbit,
         z: np.ndarray,
         tangent: np.ndarray,
         weights: np.ndarray,
@@ -108,26 +108,26 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
         rest = m * n
         return np.concatenate([*states, z[rest:]]), np.concatenate([*deviations, tangent[rest:]])
 
-    def _passed_by(self, there: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> Passed:
+    def _passed_by(self, there: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) -> Passed:
         key = z.tobytes() + tangent.tobytes()
         if self._passed is None or self._passed[0] is not there or self._passed[1] != key:
             self._passed = there, key, Passed(there, z, tangent)
         return self._passed[2]
 
-    def _weights(self, there: SegmentedOrbit, weights: np.ndarray) -> np.ndarray:
+    def _weights(self, there: DiscretizedOrbit, weights: np.ndarray) -> np.ndarray:
         n, m = there.states, there.mesh.segments
         return np.concatenate([np.tile(self._metric(weights[:n]), m), weights[m * n :]])
 
-    def _mirrored(self, there: SegmentedOrbit, image: np.ndarray) -> SegmentedOrbit:
+    def _mirrored(self, there: DiscretizedOrbit, image: np.ndarray) -> DiscretizedOrbit:
         """The problem on the same steps for an image, its section where the image begins."""
         mesh = there.mesh
         mesh = replace(mesh, variation=self._metric(mesh.variation), magnitudes=self._metric(mesh.magnitudes))
-        values = np.concatenate([there.scalars(image), there.line.constants])
+        values = there.given(image)
         return there.on(mesh, section_through(there, image[: there.states], values, mesh.magnitudes))
 
     def _in_section(
-        self, there: SegmentedOrbit, z: np.ndarray, own: SegmentedOrbit, image: np.ndarray, last: np.void
-    ) -> tuple[float, SegmentedOrbit] | None:
+        self, there: DiscretizedOrbit, z: np.ndarray, own: DiscretizedOrbit, image: np.ndarray, last: np.void
+    ) -> tuple[float, DiscretizedOrbit] | None:
         """How much later the image is in the section of the one before, and the problem with that section.
 
         None where no such instant is found. Of a forced system there is nothing to choose.
@@ -135,7 +135,7 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
         if there.forced:
             return 0.0, own
         known, n = vectors_of(last)[0], there.states
-        values = np.concatenate([there.scalars(image), there.line.constants])
+        values = there.given(image)
         cut = own.on(own.mesh, section_through(there, known[:n], values, own.mesh.magnitudes))
         assert cut.section is not None
         passed, p = Passed(there, z, np.zeros(len(z))), ParameterValues(**there.values_of(z))
@@ -145,7 +145,7 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
         width = 2.0 * float(np.max(np.diff(times)))
         for _ in range(MOST_SHIFTS):
             x, _ = passed.at(instant)
-            rate = self._linear @ velocity(there.passage, x, instant % 1.0, values)
+            rate = self._linear @ velocity(there.passages[0], x, instant % 1.0, values)
             step = cut.section.residual(self._product.state(x, p)) / float(cut.section.normal @ rate)
             instant -= step
             if not abs(instant - first) <= width:
@@ -156,11 +156,11 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
 
     def _begun(
         self,
-        there: SegmentedOrbit,
+        there: DiscretizedOrbit,
         given: Given,
-        image: tuple[SegmentedOrbit, np.ndarray, np.ndarray],
+        image: tuple[DiscretizedOrbit, np.ndarray, np.ndarray],
         last: np.void,
-    ) -> tuple[SegmentedOrbit, np.ndarray, np.ndarray] | None:
+    ) -> tuple[DiscretizedOrbit, np.ndarray, np.ndarray] | None:
         """The image that begins where a walk would have it, with its deviation and its problem."""
         found = self._in_section(there, given[0], *image[:2], last)
         if found is None or there.forced:
@@ -170,7 +170,7 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
         return own, z, own.into_section(z, moved)
 
     def _told(
-        self, own: SegmentedOrbit, image: np.ndarray, moved: np.ndarray, metric: np.ndarray, row: np.void
+        self, own: DiscretizedOrbit, image: np.ndarray, moved: np.ndarray, metric: np.ndarray, row: np.void
     ) -> tuple[Sample, dict[str, Any]]:
         passed = own.system.has_events and passed_over(
             own.system, *own.motion_of(image), own.values_of(image)
@@ -188,11 +188,11 @@ class Passed:
 
     Parameters
     ----------
-    problem : SegmentedOrbit
+    problem : DiscretizedOrbit
     z, tangent : ndarray, shape (N + 1,)
     """
 
-    def __init__(self, problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> None:
+    def __init__(self, problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) -> None:
         self._problem, self._z, self._tangent = problem, z, tangent
         self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
@@ -216,7 +216,7 @@ class Passed:
         """States and deviations at the steps of a segment, each of shape (s, n)."""
         if i not in self._known:
             problem, n = self._problem, self._problem.states
-            driven = self._tangent[problem.scalar_places(self._z)]
+            driven = self._tangent[problem.layout.scalars]
             own = np.concatenate([self._tangent[i * n : (i + 1) * n], driven])
             if np.any(own):
                 start, scalars = problem.starts(self._z)[i], problem.scalars(self._z)
@@ -233,10 +233,10 @@ class Passed:
     ) -> tuple[np.ndarray, np.ndarray]:
         problem, mesh, n = self._problem, self._problem.mesh, self._problem.states
         values = problem.given(self._z)
-        field, y, weights = problem.passage.field(PLAIN), x, mesh.variation
+        field, y, weights = problem.passages[0].field(PLAIN), x, mesh.variation
         if np.any(self._tangent):
-            field, y = problem.passage.field(TANGENT), np.concatenate([x, v])
-            values = np.concatenate([values, self._tangent[problem.scalar_places(self._z)]])
+            field, y = problem.passages[0].field(TANGENT), np.concatenate([x, v])
+            values = np.concatenate([values, self._tangent[problem.layout.scalars]])
             size = max(float(np.linalg.norm(v / mesh.variation)), 1e-12)
             weights = np.concatenate([mesh.variation, size * mesh.variation])
         tolerance, c = max(BETWEEN * mesh.tolerance, FINEST), field.constants(values)

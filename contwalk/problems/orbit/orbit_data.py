@@ -67,11 +67,6 @@ class OrbitData(Orbit):
         self.forced = system.period is not None
         self.section, self._mesh = None, None
         self.known, self.effort = Evaluations(), Effort()
-        self._begin()
-
-    @abstractmethod
-    def _begin(self) -> None:
-        """Lay the unknowns out, before there is a mesh."""
 
     @property
     @abstractmethod

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.problems.orbit.closure import imaged, order_of
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.shooting import velocity
 from contwalk.problems.orbit.transport import carried_to
 from contwalk.system import Symmetry
@@ -15,7 +15,7 @@ from contwalk.system.declarations import ParameterValues
 OWN_IMAGE = 1e-5
 
 
-def carries(problem: SegmentedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, order: int) -> bool:
+def carries(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, order: int) -> bool:
     """Whether the field itself has the symmetry, a part of the period later, at a state off the orbit.
 
     z has the shape (N + 1,).
@@ -24,15 +24,15 @@ def carries(problem: SegmentedOrbit, z: np.ndarray, symmetry: Symmetry, power: i
     values = problem.given(z)
     x = problem.starts(z)[0] + 0.1 * problem.mesh.variation * np.cos(np.arange(1.0, problem.states + 1.0))
     time, step = 0.3, 1e-6
-    f = velocity(problem.passage, x, time, values)
+    f = velocity(problem.passages[0], x, time, values)
     image = imaged(symmetry, x, p, power)
     size = float(np.linalg.norm(f / problem.mesh.variation)) or 1.0
     moved = (imaged(symmetry, x + step / size * f, p, power) - image) / (step / size)
-    there = velocity(problem.passage, image, time - 1.0 / order, values)
+    there = velocity(problem.passages[0], image, time - 1.0 / order, values)
     return bool(np.linalg.norm((moved - there) / problem.mesh.variation) < 1e-4 * size)
 
 
-def halved(there: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> SegmentedOrbit | None:
+def halved(there: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) -> DiscretizedOrbit | None:
     """The problem of doubled orbits whose halves are images of each other, if those beside z are that.
 
     z and tangent have the shape (N + 1,).

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -12,26 +12,32 @@ from contwalk import quantities
 from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.kink import Kink
 from contwalk.problems.orbit import asymmetry, equations, monodromy, sampling, switching, termination
 from contwalk.problems.orbit.closure import closure_image
-from contwalk.problems.orbit.closure_view import SAMPLES
+from contwalk.problems.orbit.closure_view import SAMPLES, ClosureView
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
 from contwalk.problems.orbit.discretization import STAGES
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, section_through
 from contwalk.problems.orbit.extrema import with_extrema
+from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit, section_through
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.orbit.step_blocks import multipliers_of
+from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.orbit.transport import closed, moved, recut
+from contwalk.problems.parameter_line import Ends
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_ABS, Linearization, Sample
+from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 
 # Segments that a branch has room for, if it does not begin with more.
@@ -47,7 +53,7 @@ ALIKE = 1e-6
 SEEN_FROM, PERHAPS = (4 * SAMPLES, 64 * SAMPLES), 1e-2
 
 
-class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
+class PeriodicOrbit(DiscretizedOrbit, OrbitProblem):
     """The problem S phi(x, T, p) = x with a phase condition, by multiple shooting.
 
     The unknowns are u = (x_0, ..., x_m-1, T, a): states at the starts of m segments of equal duration, the
@@ -74,6 +80,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     """
 
     kind = "periodic_orbit"
+    in_closure = True
     asymmetries = asymmetry.of_moving
     point_types = POINT_TYPES
     limited = None
@@ -81,7 +88,18 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     branching_offset = 1.0
     observing, switching = sampling, switching
 
-    # -- variants ----------------------------------------------------------------------------------------
+    def __init__(
+        self,
+        system: System,
+        parameters: Mapping[str, float],
+        free: str,
+        path: Ends | None = None,
+        **further: Unpack[Further],
+    ) -> None:
+        itinerary = Itinerary((Leg(system.modes[0].name),))
+        super().__init__(system, itinerary, parameters, free, path, **further)
+
+    # -- what is told of it ------------------------------------------------------------------------------
 
     @property
     def diagnosis(self) -> SmoothDiagnosis:
@@ -93,6 +111,28 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """The system's observables, extremes of the states, then `max_abs`."""
         own = [o.name for o in self.system.observables]
         return (*own, *quantities.extreme_names(self.system.state_names), MAX_ABS)
+
+    def view(self, z: np.ndarray) -> tuple[ClosureView, ...]:
+        """The integrated part of the motion of z, shape (N + 1,): one leg."""
+        return (ClosureView(self.segments[-1], self.curve(z), self.given(z), self.duration(z)),)
+
+    def stretches(self, z: np.ndarray) -> list[Stretch[ClosureView]]:
+        """The whole motion of z, shape (N + 1,): the integrated part, and its images, one after the other."""
+        (view,), system, itinerary = self.view(z), self.system, self.itinerary
+        p, every = ParameterValues(**self.values_of(z)), tuple(range(self.states))
+
+        def seen(number: int) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+            return lambda _, states: closure_image(system, itinerary, states, p, number)
+
+        return [Stretch("", view, j * view.duration, seen(j), every) for j in range(itinerary.closures)]
+
+    def velocity(self, z: np.ndarray) -> np.ndarray:
+        """dx/dt at the start. z has the shape (N + 1,), the velocity (n,)."""
+        return self.solution(z).velocities[0] / self.duration(z)
+
+    def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
+        """None: there are no events. z has the shape (N + 1,)."""
+        return ()
 
     # -- equations ---------------------------------------------------------------------------------------
 
@@ -135,7 +175,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
                 half[i] = state.scale
         scalars = np.abs(self.scalars(z))
         scalars[1 - self.forced : -1] = np.nan  # drifts are zero; what they are is noise
-        return self.laid_out(np.tile(half, m) * np.sqrt(m), scalars, 1.0)
+        return self.layout.joined(np.tile(half, m) * np.sqrt(m), scalars, 1.0)
 
     def states_along(self, z: np.ndarray) -> np.ndarray:
         """States at the steps of the orbit, shape (k, n). z has the shape (N + 1,)."""
@@ -145,7 +185,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         scalars = np.maximum(np.abs(self.scalars(z)), 1e-300)
         scalars[1 - self.forced : -1] = 1.0
-        return self.laid_out(np.tile(self.mesh.variation, self.mesh.segments), scalars, 1.0)
+        return self.layout.joined(np.tile(self.mesh.variation, self.mesh.segments), scalars, 1.0)
 
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
@@ -153,7 +193,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return {
             "problem": self.kind,
             "observables": self.observable_names,
-            "unknowns": self._laid_out(most_segments(self, ROOM)).size,
+            "unknowns": self.cut_into(most_segments(self, ROOM)).size,
             "spectrum": max(self.states - neutral, 1),
             "closure": self.whole[0],
             "subharmonic": self.subharmonic,
@@ -248,13 +288,11 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         NotFinite
             If the motion from z ends before the closure does.
         """
-        m = self.segments_in(z)
-        starts, scalars = z[: m * self.states].reshape(m, self.states), z[self.scalar_places(z)]
-        magnitudes = weights[: self.states] / np.sqrt(m)
+        own = self.fitting(z)
+        starts, values, magnitudes = own.starts(z), own.given(z), own.magnitudes_of(weights)
         tolerance = tolerance or self.discretization.walking
-        method, cuts = self.discretization.integrator(tolerance), self.cuts_in(z)
-        values = np.concatenate([scalars, self.line.constants])
-        mesh = meshed(self.passage, starts, values, magnitudes, tolerance, method, self.parts, cuts)
+        given = tolerance, self.discretization.integrator(tolerance), self.parts, own.layout.begins
+        mesh = meshed(self.passages[0], starts, values, magnitudes, *given)
         mesh = replace(mesh, reason=self.discretization.why(mesh.reason))
         self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
         problem = self.on(mesh, section_through(self, starts[0], values, magnitudes))

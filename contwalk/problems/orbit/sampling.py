@@ -6,9 +6,9 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.errors import measured
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.motion import extremes, motion
 from contwalk.problems.orbit.multipliers import Multipliers
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
 
@@ -16,7 +16,7 @@ MOST_BISECTIONS = 60
 
 
 def crossing(
-    problem: SegmentedOrbit, z: np.ndarray, t: np.ndarray, x: np.ndarray, place: Place
+    problem: DiscretizedOrbit, z: np.ndarray, t: np.ndarray, x: np.ndarray, place: Place
 ) -> np.ndarray:
     """The state at which a sampled motion first passes a value of a state; NaN if it never does.
 
@@ -41,7 +41,7 @@ def crossing(
     return place.told(there, turn)
 
 
-def measured_along(orbit: SegmentedOrbit, z: np.ndarray) -> list[float]:
+def measured_along(orbit: DiscretizedOrbit, z: np.ndarray) -> list[float]:
     """Values of the observables that no multiplier tells, in their order. z has the shape (N + 1,)."""
     values: list[float] = []
     if orbit.system.observables:
@@ -52,13 +52,13 @@ def measured_along(orbit: SegmentedOrbit, z: np.ndarray) -> list[float]:
     return [*values, *high.tolist(), *low.tolist()]
 
 
-def values(problem: SegmentedOrbit, z: np.ndarray, found: Multipliers) -> list[float]:
+def values(problem: DiscretizedOrbit, z: np.ndarray, found: Multipliers) -> list[float]:
     """Values of `observable_names`. z has the shape (N + 1,)."""
     largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
     return [*measured_along(problem, z), largest**problem.rounds]
 
 
-def value(problem: SegmentedOrbit, name: str, z: np.ndarray) -> float:
+def value(problem: DiscretizedOrbit, name: str, z: np.ndarray) -> float:
     """The value of one observable that is not `max_abs`. z has the shape (N + 1,)."""
     if quantities.of_orbit(name):
         low, high = extremes(problem, z)
@@ -72,7 +72,7 @@ def value(problem: SegmentedOrbit, name: str, z: np.ndarray) -> float:
     return measured(f"observable '{name}'", function, t, x, p)
 
 
-def reported(problem: SegmentedOrbit, z: np.ndarray) -> np.ndarray:
+def reported(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """The state at the phase condition's point, or where the run asks for it, shape (n,); NaN if it
     never is.
     """

@@ -7,8 +7,8 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.problems.orbit import termination, undefined
 from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.kinks_met import kinks_along
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.stretching import stretched
 from contwalk.problems.problem import Sample
 
@@ -16,7 +16,7 @@ from contwalk.problems.problem import Sample
 class SmoothDiagnosis(OrbitDiagnosis):
     """What is known of such places."""
 
-    def __init__(self, orbit: SegmentedOrbit) -> None:
+    def __init__(self, orbit: DiscretizedOrbit) -> None:
         super().__init__(orbit)
         self._smooth = orbit
 

@@ -16,9 +16,9 @@ from contwalk import flow
 from contwalk.problems import conserving
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.discretization import STAGES
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.multipliers import Multipliers, multipliers
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 
 # Growth, and decay, over a block of steps at most, as far as the norms of steps tell.
 GROWN, DECAYED = 1e3, 1e4
@@ -51,23 +51,23 @@ class Steps:
         return Steps(np.roll(self.begins + late, -first), np.roll(self.ends + late, -first), *rolled)
 
 
-def steps_of(orbit: SegmentedOrbit, z: np.ndarray) -> Steps:
+def steps_of(orbit: DiscretizedOrbit, z: np.ndarray) -> Steps:
     """The steps of the orbit of z, of which all are taken in one pass. z has the shape (N + 1,)."""
     return orbit.known.at("steps", z, 2, lambda: _taken(orbit, z))
 
 
-def _taken(orbit: SegmentedOrbit, z: np.ndarray) -> Steps:
+def _taken(orbit: DiscretizedOrbit, z: np.ndarray) -> Steps:
     mesh, n, values = orbit.mesh, orbit.states, orbit.given(z)
     nodes, own = orbit.solution(z).nodes, np.flatnonzero(np.diff(mesh.times) > 0.0)
     begins, ends = mesh.times[own], mesh.times[own + 1]
-    field = orbit.passage.field(PLAIN)
+    field = orbit.passages[0].field(PLAIN)
     pairs = np.column_stack([begins, ends]).ravel()
     states, moved = flow.along_with_tangents(
         field, field.constants(values), pairs, nodes[own], np.eye(n), np.full(n, -1), mesh.method
     )
     arrived = states[1::2].copy()
     orbit.effort.spend(STAGES[mesh.method] * (1 + n) * len(own))
-    columns = np.hstack([moved[-1], np.zeros((n, len(orbit.passage.columns)))])
+    columns = np.hstack([moved[-1], np.zeros((n, len(orbit.passages[0].columns)))])
     arrived[-1], columns = orbit.segments[-1].through(PLAIN, arrived[-1], columns, values)
     arrived[-1], moved[-1] = arrived[-1] - orbit.turns, columns[:, :n]
     return Steps(begins, ends, nodes[own], arrived, moved / mesh.variation[:, None] * mesh.variation)
@@ -100,7 +100,7 @@ def blocks(factors: np.ndarray, firsts: np.ndarray) -> np.ndarray:
     return result
 
 
-def multipliers_of(orbit: SegmentedOrbit, z: np.ndarray, becoming: np.ndarray | None) -> Multipliers:
+def multipliers_of(orbit: DiscretizedOrbit, z: np.ndarray, becoming: np.ndarray | None) -> Multipliers:
     """Multipliers of the closure by blocks of its steps, without the flow's own and pinned ones.
 
     Parameters
@@ -126,11 +126,11 @@ def multipliers_of(orbit: SegmentedOrbit, z: np.ndarray, becoming: np.ndarray | 
     return multipliers(factors, leaving, units, tolerance, arriving, gradients=len(orbit.system.conserved))
 
 
-def _directions(orbit: SegmentedOrbit, z: np.ndarray, states: np.ndarray, times: np.ndarray) -> np.ndarray:
+def _directions(orbit: DiscretizedOrbit, z: np.ndarray, states: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The directions that the flow carries along at some states (b, n), as columns, shape (b, n, k): its own,
     pinned ones, gradients of what is conserved.
     """
-    field, values = orbit.passage.field(PLAIN), orbit.values_of(z)
+    field, values = orbit.passages[0].field(PLAIN), orbit.values_of(z)
     own = field.along(times, states, field.constants(orbit.given(z)))[:, :, None]
     given = own[:, :, :0] if orbit.forced else own
     if not orbit.pins and not orbit.system.conserved:
@@ -139,10 +139,10 @@ def _directions(orbit: SegmentedOrbit, z: np.ndarray, states: np.ndarray, times:
     return np.concatenate([given, others], axis=2)
 
 
-def _others(orbit: SegmentedOrbit, x: np.ndarray, values: dict[str, float]) -> np.ndarray:
+def _others(orbit: DiscretizedOrbit, x: np.ndarray, values: dict[str, float]) -> np.ndarray:
     """Pinned directions and gradients of what is conserved at a state, as columns."""
     pinned = neutrals.directions(orbit.system, orbit.pins, x, values)
     if not orbit.system.conserved:
         return pinned
-    gradients = conserving.gradients_of(orbit.system, orbit.passage.leg.mode, x, values)
+    gradients = conserving.gradients_of(orbit.system, orbit.passages[0].leg.mode, x, values)
     return np.hstack([pinned, conserving.raised(gradients, orbit.mesh.variation)])

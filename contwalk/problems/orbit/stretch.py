@@ -8,6 +8,7 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
+from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.extrema import Smooth
 from contwalk.problems.orbit.piece import Piece
 
@@ -61,6 +62,10 @@ class View(Protocol):
 
         Shapes (k,) and (k, n_i).
         """
+        ...
+
+    def course(self) -> list[Course]:
+        """The leg as it is looked at for kinks of its field, where it may have any."""
         ...
 
     def full(self, x: np.ndarray) -> np.ndarray:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.problems.orbit import monodromy
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH
 
 # What the flow may miss its own velocity by before an orbit is cut into twice as many segments.
 MISSED = 1e-3
 
 
-def stretched(orbit: SegmentedOrbit, z: np.ndarray) -> bool:
+def stretched(orbit: DiscretizedOrbit, z: np.ndarray) -> bool:
     """Whether a segment is too long for Newton's method to be at ease, or to tell multipliers.
 
     z has the shape (N + 1,).

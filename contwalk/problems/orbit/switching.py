@@ -9,30 +9,30 @@ import numpy as np
 
 from contwalk.problems.orbit import variations
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.own_image import halved
 from contwalk.problems.orbit.scales import cycle_scales
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.shooting import velocity
 from contwalk.problems.orbit.transport import carried_to, following, segments_for
 from contwalk.problems.problem import Seed
 from contwalk.system.declarations import ParameterValues
 
 
-def discretized(problem: SegmentedOrbit, z: np.ndarray) -> SegmentedOrbit:
+def discretized(problem: DiscretizedOrbit, z: np.ndarray) -> DiscretizedOrbit:
     """The problem on fine steps for a stored solution, which may have other segments than the branch
     began with.
 
     z has the shape (N + 1,).
     """
-    n, m = problem.states, problem.segments_in(z)
-    sizes = np.maximum(np.abs(z[: m * n].reshape(m, n)).max(axis=0), 1e-6)
-    scalars = np.abs(z[problem.scalar_places(z)])
-    rough = problem.adapted_to(z, problem.laid_out(np.tile(sizes, m) * np.sqrt(m), scalars, 1.0))
+    problem = problem.fitting(z)
+    m, scalars = problem.cuts, np.abs(problem.scalars(z))
+    sizes = np.maximum(np.abs(problem.starts(z)).max(axis=0), 1e-6)
+    rough = problem.adapted_to(z, problem.layout.joined(np.tile(sizes, m) * np.sqrt(m), scalars, 1.0))
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
-def doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
+def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit of twice the period that leaves along the critical vector.
 
     It is closed up to a declared symmetry if each half of it is the image of the other one.
@@ -46,7 +46,7 @@ def doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     return (Seed("PD", start, tangent, amplitude(tangent), there, one_sided=True),)
 
 
-def unfolded(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
+def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to. z has the shape (N + 1,)."""
     closures = problem.itinerary.closures
     whole = problem.closing(closures * problem.turns).varied(parts=closures)
@@ -54,7 +54,7 @@ def unfolded(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     return (Seed("BP", start, tangent, amplitude(tangent), there),)
 
 
-def _doubled(problem: SegmentedOrbit) -> SegmentedOrbit:
+def _doubled(problem: DiscretizedOrbit) -> DiscretizedOrbit:
     """The problem of the orbits that close after two of this one's closures."""
     itinerary, turns = problem.itinerary, 2.0 * problem.turns
     if not itinerary.image:
@@ -69,7 +69,7 @@ def _doubled(problem: SegmentedOrbit) -> SegmentedOrbit:
 
 
 def _followed(
-    problem: SegmentedOrbit, z: np.ndarray, times: int, other: SegmentedOrbit
+    problem: DiscretizedOrbit, z: np.ndarray, times: int, other: DiscretizedOrbit
 ) -> tuple[Any, np.ndarray, np.ndarray]:
     """A closure followed several times, the deviation changing its sign each time: an orbit of the other
     problem on steps, and the tangent there.
@@ -88,15 +88,15 @@ def _followed(
         when = np.arange(count) * times / count
     reached = [(*_at(problem, z, direction, float(time)), float(time)) for time in when]
     cut = [(x, w - _hurried(problem, z, direction, x, time)) for x, w, time in reached]
-    start = other.laid_out(np.array([x for x, _ in cut]), scalars, when / times)
+    start = other.layout.joined(np.array([x for x, _ in cut]), scalars, when / times)
     own = np.tile(problem.mesh.variation * np.sqrt(len(when)), len(when))
-    weights = other.laid_out(own, np.abs(scalars), 1.0)
+    weights = other.layout.joined(own, np.abs(scalars), 1.0)
     there = other.adapted_to(start, weights, problem.discretization.walking)
-    deviations = other.laid_out(np.array([w for _, w in cut]), np.zeros(len(scalars)))
+    deviations = other.layout.joined(np.array([w for _, w in cut]), np.zeros(len(scalars)))
     return there, start, there.into_section(start, deviations)
 
 
-def segments_over(problem: SegmentedOrbit, z: np.ndarray, times: int) -> int:
+def segments_over(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> int:
     """Number of segments of an orbit that follows a closure several times: no fewer to each than it has, or
     should have.
 
@@ -112,25 +112,27 @@ def segments_over(problem: SegmentedOrbit, z: np.ndarray, times: int) -> int:
 
 
 def _hurried(
-    problem: SegmentedOrbit, z: np.ndarray, direction: np.ndarray, x: np.ndarray, time: float
+    problem: DiscretizedOrbit, z: np.ndarray, direction: np.ndarray, x: np.ndarray, time: float
 ) -> np.ndarray:
     """What a deviation of period and drifts has moved a state by at a time in closures, shape (n,).
 
     The deviation changes its sign with each closure, and the whole orbit's period and drifts stay what they
     are: its states are those at the same times of a clock that the deviation does not change.
     """
-    changes = direction[problem.scalar_places(z)]
+    changes = direction[problem.layout.scalars]
     values, columns = problem.given(z), len(changes)
     since, began = abs((time + 1.0) % 2.0 - 1.0), time % 1.0
     if not np.any(changes) or since == 0.0:
         return np.zeros(problem.states)
     faster = values.copy()
     faster[:columns] += changes  # the field is linear in each
-    return since * (velocity(problem.passage, x, began, faster) - velocity(problem.passage, x, began, values))
+    return since * (
+        velocity(problem.passages[0], x, began, faster) - velocity(problem.passages[0], x, began, values)
+    )
 
 
 def _next(
-    problem: SegmentedOrbit, x: np.ndarray, w: np.ndarray, p: ParameterValues
+    problem: DiscretizedOrbit, x: np.ndarray, w: np.ndarray, p: ParameterValues
 ) -> tuple[np.ndarray, np.ndarray]:
     """What follows a closure, with the deviation's sign changed."""
     image, deviation = following(problem, x, w, p)
@@ -138,7 +140,7 @@ def _next(
 
 
 def _at(
-    problem: SegmentedOrbit, z: np.ndarray, direction: np.ndarray, time: float
+    problem: DiscretizedOrbit, z: np.ndarray, direction: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """State and deviation at a time in closures, which may exceed one."""
     p = ParameterValues(**problem.values_of(z))

@@ -11,8 +11,8 @@ from contwalk.errors import NotFinite
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.asymmetry import asymmetries
 from contwalk.problems.orbit.conservation import not_conserved
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.homoclinic import homoclinic
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.problems.orbit.vanishing import at_a_point
 from contwalk.problems.problem import Sample
@@ -28,13 +28,13 @@ MEETS = 1e-6
 ASIDE, STAYS = 1e-3, 0.03
 
 
-def ended(problem: SegmentedOrbit, a: Sample, b: Sample) -> Outcome | None:
+def ended(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Why the branch ends between two neighbouring orbits, if it does."""
     reasons = (unborn, held, not_conserved, at_a_point, homoclinic, unbounded)
     return next((outcome for reason in reasons if (outcome := reason(problem, a, b)) is not None), None)
 
 
-def held(problem: SegmentedOrbit, a: Sample, b: Sample) -> Outcome | None:
+def held(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """A direction that is neutral at equilibria, and along which orbits drift."""
     if not held_by_force(problem, b):
         return None
@@ -47,7 +47,7 @@ def held(problem: SegmentedOrbit, a: Sample, b: Sample) -> Outcome | None:
     )
 
 
-def held_by_force(problem: SegmentedOrbit, sample: Sample) -> bool:
+def held_by_force(problem: DiscretizedOrbit, sample: Sample) -> bool:
     """Whether there is a drift along a pinned direction that nobody declared, beyond errors of the steps.
 
     An problem that drifts along a declared one is periodic but for its place, as was asked for. Along
@@ -69,7 +69,7 @@ def held_by_force(problem: SegmentedOrbit, sample: Sample) -> bool:
     return False
 
 
-def unborn(problem: SegmentedOrbit, a: Sample, b: Sample) -> Outcome | None:
+def unborn(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Two orbits that are points to rounding: the walk has not left the Hopf point that it began at."""
     if problem.forced or max(_extent(problem, sample) for sample in (a, b)) > POINT:
         return None
@@ -82,7 +82,7 @@ def unborn(problem: SegmentedOrbit, a: Sample, b: Sample) -> Outcome | None:
     )
 
 
-def _extent(problem: SegmentedOrbit, sample: Sample) -> float:
+def _extent(problem: DiscretizedOrbit, sample: Sample) -> float:
     """How far an orbit goes in one closure at its present speed, in the metric."""
     n = problem.states
     return float(
@@ -90,7 +90,7 @@ def _extent(problem: SegmentedOrbit, sample: Sample) -> float:
     ) * np.sqrt(problem.mesh.segments)
 
 
-def speeds_of(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def speeds_of(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Times 0..1 in the middle of the steps, and mean speeds over each, in units of the states' variation.
 
     z has the shape (N + 1,), both results (s,).
@@ -102,7 +102,7 @@ def speeds_of(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.nd
     return 0.5 * (times[1:] + times[:-1])[moves], passed / lengths[moves]
 
 
-def returned_to_parent(problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
+def returned_to_parent(problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
     """Whether an orbit has become its parent: it repeats itself, or is its own image, and those beside it
     on its branch do not.
 
@@ -111,7 +111,7 @@ def returned_to_parent(problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarr
     return repeats(problem, z, MEETS) and not repeats(problem, z + ASIDE * tangent, ASIDE * STAYS)
 
 
-def repeats(problem: SegmentedOrbit, z: np.ndarray, meets: float) -> bool:
+def repeats(problem: DiscretizedOrbit, z: np.ndarray, meets: float) -> bool:
     """Whether an orbit runs twice through the same states, or is its own mirror image.
 
     z has the shape (N + 1,).

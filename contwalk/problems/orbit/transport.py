@@ -11,9 +11,9 @@ import numpy as np
 from contwalk import flow
 from contwalk.numerics.distinct import distinct
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, Kind, section_through
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.orbit_data import OrbitData
-from contwalk.problems.orbit.segmented_orbit import Kind, SegmentedOrbit, section_through
 from contwalk.problems.orbit.shooting import Mesh, arrived
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
@@ -36,7 +36,7 @@ STEEP = 0.1
 
 
 def carried_to(
-    problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray, time: float
+    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """State and tangent of the orbit at a time in 0..1 of the closure, each of shape (n,)."""
     n, cuts = problem.states, problem.mesh.cuts
@@ -48,10 +48,10 @@ def carried_to(
     mesh = problem.mesh
     values = problem.given(z)
     if not np.any(tangent):
-        field, y, weights = problem.passage.field(PLAIN), x, mesh.variation
+        field, y, weights = problem.passages[0].field(PLAIN), x, mesh.variation
     else:
-        field, y = problem.passage.field(TANGENT), np.concatenate([x, v])
-        values = np.concatenate([values, tangent[problem.scalar_places(z)]])
+        field, y = problem.passages[0].field(TANGENT), np.concatenate([x, v])
+        values = np.concatenate([values, tangent[problem.layout.scalars]])
         size = max(float(np.linalg.norm(v / mesh.variation)), 1e-12)
         weights = np.concatenate([mesh.variation, size * mesh.variation])
     path = arrived(
@@ -62,7 +62,7 @@ def carried_to(
 
 
 def passed_at(
-    problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray, times: np.ndarray
+    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, times: np.ndarray
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """States and tangents of the orbit at times in 0..1 of the closure, each of shape (n,).
 
@@ -72,8 +72,8 @@ def passed_at(
     if not problem.uneven:
         return [carried_to(problem, z, tangent, float(time)) for time in times]
     mesh, n, scalars = problem.mesh, problem.states, problem.scalars(z)
-    driven = tangent[problem.scalar_places(z)]
-    field, c = problem.passage.field(PLAIN), problem.passage.field(PLAIN).constants(problem.given(z))
+    driven = tangent[problem.layout.scalars]
+    field, c = problem.passages[0].field(PLAIN), problem.passages[0].field(PLAIN).constants(problem.given(z))
     sources = np.arange(-n, len(scalars))
     sources[:n] = -1
     found = []
@@ -89,7 +89,7 @@ def passed_at(
     return found
 
 
-def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
+def growth(problem: DiscretizedOrbit, z: np.ndarray, times: int = 1) -> float:
     """The largest factor by which a deviation grows from the start on, or up to the end, in the metric.
 
     What grows in between and is forgotten again, as at the jumps of a relaxation oscillation, does no harm.
@@ -98,7 +98,7 @@ def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
     z has the shape (N + 1,).
     """
     n, m = problem.states, problem.mesh.segments
-    field = problem.passage.field(PLAIN)
+    field = problem.passages[0].field(PLAIN)
     values = problem.given(z)
     c = field.constants(values)
     sources, variation, last = np.full(n, -1), problem.mesh.variation, problem.segments[-1]
@@ -124,7 +124,7 @@ def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
     return largest
 
 
-def segments_for(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> int:
+def segments_for(problem: DiscretizedOrbit, z: np.ndarray, times: int = 1) -> int:
     """Number of segments over each of which deviations grow by `MOST_GROWTH` at most.
 
     z has the shape (N + 1,).
@@ -153,13 +153,13 @@ def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample
     own = problem.uneven and problem.reference_orbit is None
     mesh = problem.mesh.divided(cuts) if own else None
     cuts = cuts if mesh is None else mesh.cuts
-    n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.scalar_places(sample.z)
+    n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.layout.scalars
     starts, tangents = zip(*passed_at(problem, z, sample.tangent, cuts), strict=True)
-    there = problem.laid_out(np.array(starts), z[scalars], cuts)
-    tangent = problem.laid_out(np.array(tangents), sample.tangent[scalars])
+    there = problem.layout.joined(np.array(starts), z[scalars], cuts)
+    tangent = problem.layout.joined(np.array(tangents), sample.tangent[scalars])
     # Each state's share of the metric stays what it is: the squares of m segments add up.
     states = sample.weights[:n] * np.sqrt(len(cuts) / m)
-    weights = problem.laid_out(np.tile(states, len(cuts)), sample.weights[scalars], 1.0)
+    weights = problem.layout.joined(np.tile(states, len(cuts)), sample.weights[scalars], 1.0)
     finer = _remeshed(problem, there, weights, mesh)
     tangent = finer.into_section(there, tangent)
     return finer, _examined(finer, there, tangent, weights, sample)
@@ -175,7 +175,7 @@ def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple
         mesh, time = problem.mesh.begun(time)
         mesh = mesh.divided(cuts)
         cuts = mesh.cuts
-    n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.scalar_places(sample.z)
+    n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.layout.scalars
     p = ParameterValues(**problem.values_of(z))
     starts, tangents, instants = [], [], time + cuts
     passed = passed_at(problem, z, sample.tangent, instants - np.floor(instants))
@@ -184,19 +184,19 @@ def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple
             x, v = following(problem, x, v, p)
         starts.append(x)
         tangents.append(v)
-    there = problem.laid_out(np.array(starts), z[scalars], cuts)
-    tangent = problem.laid_out(np.array(tangents), sample.tangent[scalars])
+    there = problem.layout.joined(np.array(starts), z[scalars], cuts)
+    tangent = problem.layout.joined(np.array(tangents), sample.tangent[scalars])
     weights = sample.weights
     if len(cuts) != m:
         states = weights[:n] * np.sqrt(len(cuts) / m)
-        weights = problem.laid_out(np.tile(states, len(cuts)), weights[scalars], 1.0)
+        weights = problem.layout.joined(np.tile(states, len(cuts)), weights[scalars], 1.0)
     begun = _remeshed(problem, there, weights, mesh)
     tangent = begun.into_section(there, tangent)
     return begun, _examined(begun, there, tangent, weights, sample)
 
 
 def _examined(
-    problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, sample: Sample
+    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, sample: Sample
 ) -> Sample:
     """What is watched at the same solution in other segments; a branch point that a walk begins at stays one.
 
@@ -212,8 +212,7 @@ def _remeshed(problem: Kind, z: np.ndarray, weights: np.ndarray, mesh: Mesh | No
     if mesh is None:
         made: Kind = problem.adapted_to(z, weights)
         return made
-    scalars = z[problem.scalar_places(z)]
-    values = np.concatenate([scalars, problem.line.constants])
+    values = problem.fitting(z).given(z)
     return problem.on(mesh, section_through(problem, z[: problem.states], values, mesh.magnitudes))
 
 
@@ -257,7 +256,7 @@ def closed(problem: AnyOrbit, rough: Sample) -> tuple[AnyOrbit, Sample] | None:
 
 
 def following(
-    problem: SegmentedOrbit, x: np.ndarray, v: np.ndarray, p: ParameterValues
+    problem: DiscretizedOrbit, x: np.ndarray, v: np.ndarray, p: ParameterValues
 ) -> tuple[np.ndarray, np.ndarray]:
     """State and deviation one closure later: the inverse image, in unturned angles.
 

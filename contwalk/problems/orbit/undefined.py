@@ -7,20 +7,20 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.problems.orbit import without_value
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 
 REMEDY = "Let it have a value wherever orbits of the range go."
 
 
-def where(orbit: SegmentedOrbit, z: np.ndarray) -> str:
+def where(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
     """`The field of mode 'NAME': file, line n: what.` on the way of z; empty if it has values everywhere.
 
     z has the shape (N + 1,).
     """
     if not np.isfinite(z).all():
         return ""
-    passage, values, method = orbit.passage, orbit.given(z), orbit.mesh.method
+    passage, values, method = orbit.passages[0], orbit.given(z), orbit.mesh.method
     field = passage.field(PLAIN)
     c = field.constants(values)
     for steps, x in zip(orbit.mesh.steps, orbit.starts(z), strict=True):

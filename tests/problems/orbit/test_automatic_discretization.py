@@ -60,7 +60,7 @@ def test_what_has_to_be_cut_is_cut_at_times_of_equal_growth():
     assert problem.mesh.segments > 1
     durations = np.diff(np.append(problem.mesh.cuts, 1.0))
     assert durations.max() > 2.0 * durations.min()
-    np.testing.assert_array_equal(problem.cuts_in(sample.z), problem.mesh.cuts)
+    np.testing.assert_array_equal(problem.fitting(sample.z).layout.begins, problem.mesh.cuts)
 
 
 def test_a_number_of_segments_that_is_given_is_kept():

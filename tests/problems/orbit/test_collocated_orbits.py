@@ -48,8 +48,8 @@ def explosive_orbit(c, tolerance, cuts=EVEN):
     """The unit circle, cut at times that suit it."""
     problem, rough = orbit_of(explosive, "c", c, COLLOCATION)
     states = np.column_stack([np.cos(2.0 * np.pi * cuts), np.sin(2.0 * np.pi * cuts)])
-    z = problem.laid_out(states, problem.scalars(rough), cuts)
-    weights = problem.laid_out(np.full(states.shape, 4.0), np.array([6.0, 0.1]), 1.0)
+    z = problem.layout.joined(states, problem.scalars(rough), cuts)
+    weights = problem.layout.joined(np.full(states.shape, 4.0), np.array([6.0, 0.1]), 1.0)
     problem = problem.adapted_to(z, weights, tolerance)
     return problem, solved(problem, z)
 
@@ -75,7 +75,7 @@ def test_periods_converge_with_twice_the_degree(degree):
         mesh = problem.mesh
         steps = (np.linspace(0.0, 1.0, count + 1),)
         own = Mesh(steps, f"gauss{2 * degree}", 1e-8, mesh.variation, mesh.magnitudes)
-        start = problem.laid_out(problem.starts(z)[:1], problem.scalars(z))
+        start = problem.layout.joined(problem.starts(z)[:1], problem.scalars(z))
         errors.append(abs(solved(problem.on(own, problem.section), start)[2] - 2.0 * np.pi))
     assert errors[1] > 3e-14
     coarse, fine = STEPS[degree]
@@ -112,7 +112,7 @@ def test_cuts_stand_among_the_unknowns_and_stay():
     problem, z = explosive_orbit(0.1, 1e-6)
     m = problem.mesh.segments
     assert len(z) == 2 * m + (m - 1) + 2
-    assert np.array_equal(problem.cuts_in(z), problem.mesh.cuts)
+    assert np.array_equal(problem.fitting(z).layout.begins, problem.mesh.cuts)
     again = problem.adapted_to(z, problem.beginnings(z))
     assert np.array_equal(again.mesh.cuts, problem.mesh.cuts)
     jacobian = problem.linearize(z).jacobian

@@ -84,8 +84,9 @@ def test_a_doubled_orbit_is_begun_along_its_own_equations_wherever_it_is_cut(cut
     given = cw.Discretization(scheme="collocation")
     problem, z = orbit_at(system, line, doubling, np.array(START), PERIOD, discretization=given)
     begun = [carried_to(problem, z, np.zeros(len(z)), cut)[0] for cut in cuts]
-    z = problem.laid_out(np.array(begun), problem.scalars(z), np.array(cuts))
-    problem = problem.adapted_to(z, problem.laid_out(np.full((4, 3), 8.0), np.array([6.0, 3.0]), 1.0), 1e-10)
+    z = problem.layout.joined(np.array(begun), problem.scalars(z), np.array(cuts))
+    weights = problem.layout.joined(np.full((4, 3), 8.0), np.array([6.0, 3.0]), 1.0)
+    problem = problem.adapted_to(z, weights, 1e-10)
     for _ in range(4):
         here = problem.linearize(z)
         z = z - np.append(np.linalg.solve(here.jacobian[:, :-1], here.residual), 0.0)

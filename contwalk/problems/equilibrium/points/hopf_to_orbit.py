@@ -50,10 +50,15 @@ def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequenc
     method = orbit.discretization.integrator(tolerance)
 
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
-        mesh = meshed(orbit.passage, np.tile(x, (m, 1)), values, magnitudes, tolerance, method, orbit.parts)
+        mesh = meshed(
+            orbit.passages[0], np.tile(x, (m, 1)), values, magnitudes, tolerance, method, orbit.parts
+        )
         turns = np.exp(1j * omega * period * np.arange(m) / m)
-        problem, start = orbit.on(mesh, section), orbit.laid_out(np.tile(x, m), scalars, np.arange(m) / m)
-        tangent = orbit.laid_out((q * turns[:, None]).real, np.zeros(len(scalars)))
+        problem, start = (
+            orbit.on(mesh, section),
+            orbit.layout.joined(np.tile(x, m), scalars, np.arange(m) / m),
+        )
+        tangent = orbit.layout.joined((q * turns[:, None]).real, np.zeros(len(scalars)))
         return problem, start, tangent - _along_pins(problem, start, tangent)
 
     # The linear flow is known: what grows too much is not integrated in one piece to find that out.

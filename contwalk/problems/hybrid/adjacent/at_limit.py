@@ -14,7 +14,7 @@ from contwalk.problems.hybrid.adjacent.insertion import inserted
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrbit
 from contwalk.problems.hybrid.adjacent.removal import removed
 from contwalk.problems.hybrid.adjacent.skipped import with_first
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.switching import discretized, rotated
 
@@ -23,7 +23,7 @@ SECANTS = 12
 ARRIVED = 1e-4
 
 
-def place_of(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> float:
+def place_of(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> float:
     """Where on its leg a limit is met, 0..1.
 
     z has shape (N + 1,).
@@ -34,8 +34,8 @@ def place_of(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> float:
 
 
 def begun_elsewhere(
-    problem: DiscretizedOrbit, z: np.ndarray, limit: Limit
-) -> tuple[DiscretizedOrbit, np.ndarray, Limit]:
+    problem: LimitedOrbit, z: np.ndarray, limit: Limit
+) -> tuple[LimitedOrbit, np.ndarray, Limit]:
     """The same orbit, beginning elsewhere if it closes up to a symmetry just where the itinerary changes.
 
     z has shape (N + 1,).
@@ -63,7 +63,7 @@ def begun_elsewhere(
     return there, turned, replace(limit, leg=place)
 
 
-def limit_of(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Limit, float]:
+def limit_of(problem: LimitedOrbit, point: SpecialPoint) -> tuple[Limit, float]:
     """Which limit a stored point is, and where on its leg, 0..1."""
     z = np.array(point.unknowns)
     there = discretized(problem, z)
@@ -89,7 +89,7 @@ def arrival(found: Margins, which: int, legs: int) -> int:
     return next((k for k in rates if abs(shares[k]) < ARRIVED), which)
 
 
-def _turning(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float) -> float:
+def _turning(problem: LimitedOrbit, z: np.ndarray, limit: Limit, place: float) -> float:
     """Where on its leg a guard turns, by the secant method on its exact rate from nearly there."""
     view, transition = problem.view(z)[limit.leg], limits.transition_of(problem, limit)
     piece, scalars, nodes = view.piece, view.scalars, view.nodes
@@ -108,7 +108,7 @@ def _turning(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: floa
     return b
 
 
-def built_at(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float) -> AdjacentOrbit:
+def built_at(problem: LimitedOrbit, z: np.ndarray, limit: Limit, place: float) -> AdjacentOrbit:
     """The neighbour at a limit.
 
     z has shape (N + 1,).

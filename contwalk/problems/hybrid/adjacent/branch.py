@@ -8,9 +8,9 @@ from contwalk.errors import ContwalkError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.hybrid import margin_values
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrbit, Undetermined
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
@@ -56,7 +56,7 @@ def seed_of(neighbour: AdjacentOrbit, label: str, words: str) -> Seed:
     )
 
 
-def _refuse_undetermined(problem: DiscretizedOrbit, z: np.ndarray, weights: np.ndarray) -> None:
+def _refuse_undetermined(problem: LimitedOrbit, z: np.ndarray, weights: np.ndarray) -> None:
     """Refuse orbits without events in which a state closes up from wherever it starts.
 
     A mode that only keeps a state until it is left, as a contact does, says nothing of where it is.
@@ -84,7 +84,7 @@ def _refuse_undetermined(problem: DiscretizedOrbit, z: np.ndarray, weights: np.n
 
 
 def _looks(
-    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, step: float
+    problem: LimitedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, step: float
 ) -> str | None:
     """Why the orbit a step along a direction is not the machine's; None if it is."""
     guess = z + step * tangent / float(np.linalg.norm(tangent / weights))

@@ -9,16 +9,16 @@ import numpy as np
 
 from contwalk.problems.hybrid import limit_points
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, assembled, own_limit, starts_and_durations
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 
 
-def collapses(problem: DiscretizedOrbit, limit: Limit) -> bool:
+def collapses(problem: LimitedOrbit, limit: Limit) -> bool:
     """Whether a leg whose duration vanishes is passed in no time beyond."""
     return limit.test == "duration" and limit_points.collapses(problem, limit.leg)
 
 
-def collapsed(problem: DiscretizedOrbit, z: np.ndarray, changing: Sequence[Limit]) -> AdjacentOrbit:
+def collapsed(problem: LimitedOrbit, z: np.ndarray, changing: Sequence[Limit]) -> AdjacentOrbit:
     """Legs last no time any more, their guards being past zero where they begin; or they do again.
 
     z has shape (N + 1,).

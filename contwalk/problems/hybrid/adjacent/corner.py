@@ -12,7 +12,7 @@ from contwalk.numerics.spectrum import complement
 from contwalk.problems.hybrid import limit_rows
 from contwalk.problems.hybrid.adjacent.at_limit import arrival, begun_elsewhere, built_at
 from contwalk.problems.hybrid.adjacent.orbit import NoAdjacentOrbit
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit import monodromy
@@ -22,7 +22,7 @@ from contwalk.problems.orbit.branching import filled_magnitudes
 CORNER = 1e-5
 
 
-def has_corner(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, tangent: np.ndarray) -> bool:
+def has_corner(problem: LimitedOrbit, z: np.ndarray, limit: Limit, tangent: np.ndarray) -> bool:
     """Whether the branch has a corner where two events are exchanged: its way before is not its way after.
 
     `tangent` is that of the branch that arrives. Compared are the parameter and the starts of all other legs,
@@ -59,7 +59,7 @@ def has_corner(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, tangent: 
 
 
 def _direction_of_orbit(
-    problem: DiscretizedOrbit,
+    problem: LimitedOrbit,
     z: np.ndarray,
     vector: np.ndarray,
     without: int,

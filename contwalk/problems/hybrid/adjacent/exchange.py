@@ -20,13 +20,13 @@ from contwalk.problems.hybrid.adjacent.orbit import (
 )
 from contwalk.problems.hybrid.adjacent.removal import visit, without_visit
 from contwalk.problems.hybrid.adjacent.skipped import without_first
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.itinerary import Leg
 
 
-def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit:
+def _exchanged(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit:
     """Two transitions that happen at once happen in the other order."""
     there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
     if m < 2:
@@ -69,7 +69,7 @@ def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Adjace
     return AdjacentOrbit(other, unknowns, own_limit(other, i, "duration"))
 
 
-def gone(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit:
+def gone(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit:
     """A leg that lasts no time: the events at its ends happen in the other order, or the first of them does
     not happen, or neither where it was a visit in another mode.
 

@@ -17,7 +17,7 @@ from contwalk.problems.hybrid.adjacent.orbit import (
     starts_and_durations,
     state_on_leg,
 )
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.closure import imaged
@@ -27,7 +27,7 @@ from contwalk.system.declarations import ParameterValues
 
 
 def inserted(
-    problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float, transition: Transition
+    problem: LimitedOrbit, z: np.ndarray, limit: Limit, place: float, transition: Transition
 ) -> AdjacentOrbit:
     """The event that is touched happens.
 
@@ -60,7 +60,7 @@ def inserted(
 
 
 def _after_event(
-    problem: DiscretizedOrbit,
+    problem: LimitedOrbit,
     z: np.ndarray,
     itinerary: Itinerary,
     i: int,
@@ -79,7 +79,7 @@ def _after_event(
     return replace(itinerary, legs=legs), given, joined
 
 
-def _falls(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> bool:
+def _falls(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> bool:
     """Whether a guard of direction `both` comes down to zero: it is positive elsewhere on its leg."""
     values = problem.view(z)[limit.leg].guard_values(limits.transition_of(problem, limit))
     return bool(values[int(np.argmax(np.abs(values)))] > 0.0)

@@ -29,7 +29,7 @@ from contwalk.problems.hybrid.adjacent.orbit import (
     state_on_leg,
 )
 from contwalk.problems.hybrid.adjacent.together import SAME_TOUCH, built_beyond, met_together
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
@@ -38,7 +38,7 @@ from contwalk.problems.problem import Seed
 from contwalk.signatures import folded
 
 
-def found(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+def found(problem: LimitedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
     """The branches of neighbouring words that leave a limit, and in words what was found, or tried."""
     visited = None
     try:
@@ -52,7 +52,7 @@ def found(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed
         return simulated, _beside(reason, told, found=bool(simulated))
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
-    words = dict.fromkeys(_signatures(cast("DiscretizedOrbit", seed.problem)) for seed in seeds)
+    words = dict.fromkeys(_signatures(cast("LimitedOrbit", seed.problem)) for seed in seeds)
     branches = "a branch of their own" if len(seeds) == 1 else f"{len(seeds)} branches of their own"
     return seeds, f"The orbits with signature {' and '.join(words)} leave there: {branches}."
 
@@ -63,9 +63,7 @@ def _beside(reason: NoAdjacentOrbit, told: str, *, found: bool) -> str:
     return f"{lead}: {reason} {told}"
 
 
-def _visited(
-    problem: DiscretizedOrbit, point: SpecialPoint, limit: Limit, place: float
-) -> beyond.Begin | None:
+def _visited(problem: LimitedOrbit, point: SpecialPoint, limit: Limit, place: float) -> beyond.Begin | None:
     """Right after an event that is touched and leads into another mode than the one that goes on."""
     old, transition = problem.itinerary.legs[limit.leg], transition_of(problem, limit)
     if limit.test != "dip" or transition.target == old.mode:
@@ -79,12 +77,12 @@ def _visited(
     return beyond.Begin(t, x, transition.target, transition.name)
 
 
-def _signatures(problem: DiscretizedOrbit) -> str:
+def _signatures(problem: LimitedOrbit) -> str:
     """The signature, over the whole period."""
     return f"[{folded(problem.itinerary.signature(problem.system)) or 'no events'}]"
 
 
-def _leaving(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float, label: str) -> list[Seed]:
+def _leaving(problem: LimitedOrbit, z: np.ndarray, limit: Limit, place: float, label: str) -> list[Seed]:
     """The branches that leave a limit. Where several limits are met there, as by an orbit that is its own
     image, all of them may be passed, or one.
 
@@ -118,7 +116,7 @@ def _leaving(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: floa
 
 def _one(a: Seed, b: Seed) -> bool:
     """Whether two branches that leave a point are one: their orbits go through the same itinerary alike."""
-    one, other = cast("DiscretizedOrbit", a.problem), cast("DiscretizedOrbit", b.problem)
+    one, other = cast("LimitedOrbit", a.problem), cast("LimitedOrbit", b.problem)
     mine, lasting, _ = starts_and_durations(one, a.z)
     theirs, alike, _ = starts_and_durations(other, b.z)
     for k in range(len(one.itinerary)):

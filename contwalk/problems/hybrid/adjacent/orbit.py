@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.problems.hybrid import cutting
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.closure import imaged
@@ -27,7 +27,7 @@ class AdjacentOrbit:
     `z` has shape (N + 1,).
     """
 
-    problem: DiscretizedOrbit
+    problem: LimitedOrbit
     z: np.ndarray
     grows: Limit
 
@@ -41,7 +41,7 @@ class Undetermined(NoAdjacentOrbit):
 
 
 def refuse_change(
-    problem: DiscretizedOrbit, transition: Transition, before: np.ndarray, after: np.ndarray
+    problem: LimitedOrbit, transition: Transition, before: np.ndarray, after: np.ndarray
 ) -> None:
     """Refuse a transition that changes the state although it arrives with no speed.
 
@@ -56,7 +56,7 @@ def refuse_change(
         )
 
 
-def state_on_leg(problem: DiscretizedOrbit, z: np.ndarray, i: int, place: float) -> np.ndarray:
+def state_on_leg(problem: LimitedOrbit, z: np.ndarray, i: int, place: float) -> np.ndarray:
     """Full state on leg i.
 
     z has shape (N + 1,), the state shape (n,).
@@ -65,9 +65,7 @@ def state_on_leg(problem: DiscretizedOrbit, z: np.ndarray, i: int, place: float)
     return view.full(view.piece.at(view.nodes, np.array([place]), view.scalars)[0])
 
 
-def after_transition(
-    problem: DiscretizedOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarray
-) -> np.ndarray:
+def after_transition(problem: LimitedOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarray) -> np.ndarray:
     """Full state after a transition out of a state at a time.
 
     States have shape (n,), z shape (N + 1,).
@@ -79,13 +77,13 @@ def after_transition(
 
 
 def assembled(
-    problem: DiscretizedOrbit,
+    problem: LimitedOrbit,
     itinerary: Itinerary,
     states: Sequence[np.ndarray],
     lasting: Sequence[float],
     start: float,
     z: np.ndarray,
-) -> tuple[DiscretizedOrbit, np.ndarray]:
+) -> tuple[LimitedOrbit, np.ndarray]:
     """A problem and its unknowns from full states at the legs' starts and their durations.
 
     States have shape (n,) each, z shape (N + 1,).
@@ -97,9 +95,7 @@ def assembled(
     return discretized(other, unknowns), unknowns
 
 
-def starts_and_durations(
-    problem: DiscretizedOrbit, z: np.ndarray
-) -> tuple[list[np.ndarray], list[float], float]:
+def starts_and_durations(problem: LimitedOrbit, z: np.ndarray) -> tuple[list[np.ndarray], list[float], float]:
     """Full states at the starts of the legs, durations, and when the first starts.
 
     States have shape (n,) each, z shape (N + 1,).
@@ -110,7 +106,7 @@ def starts_and_durations(
     return states, z[problem.layout.durations].tolist(), float(problem.starting_times(z)[0])
 
 
-def across_symmetry(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: int) -> np.ndarray:
+def across_symmetry(problem: LimitedOrbit, z: np.ndarray, x: np.ndarray, i: int) -> np.ndarray:
     """What a state is, or was, on the other side of the symmetry that is applied at the end of leg i.
 
     The state has shape (n,), z shape (N + 1,).
@@ -120,7 +116,7 @@ def across_symmetry(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: 
     return imaged(symmetry, x, ParameterValues(**problem.values_of(z)))
 
 
-def own_limit(problem: DiscretizedOrbit, i: int, test: str) -> Limit:
+def own_limit(problem: LimitedOrbit, i: int, test: str) -> Limit:
     """The limit of one test that the event which ends leg i has itself."""
     return next(
         o
@@ -129,7 +125,7 @@ def own_limit(problem: DiscretizedOrbit, i: int, test: str) -> Limit:
     )
 
 
-def minimum_of(problem: DiscretizedOrbit, i: int, transition: Transition) -> Limit:
+def minimum_of(problem: LimitedOrbit, i: int, transition: Transition) -> Limit:
     """The minimum on leg i of the guard of another transition."""
     return next(o for o in problem.limits if o.leg == i and o.test == "dip" and o.name == transition.name)
 

@@ -16,7 +16,7 @@ from contwalk.problems.hybrid.adjacent.orbit import (
     starts_and_durations,
     state_on_leg,
 )
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized, rotated
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
@@ -26,7 +26,7 @@ from contwalk.system import Transition
 VISITED = 1e-5
 
 
-def removed(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, transition: Transition) -> AdjacentOrbit:
+def removed(problem: LimitedOrbit, z: np.ndarray, limit: Limit, transition: Transition) -> AdjacentOrbit:
     """The event that arrives with no speed does not happen.
 
     z has shape (N + 1,).
@@ -62,7 +62,7 @@ def removed(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, transition: 
     return AdjacentOrbit(other, unknowns, minimum_of(other, place, transition))
 
 
-def visit(problem: DiscretizedOrbit, z: np.ndarray, i: int) -> int | None:
+def visit(problem: LimitedOrbit, z: np.ndarray, i: int) -> int | None:
     """The leg, i or the one before, whose event leads into a mode that is left again at once, back again.
 
     z has shape (N + 1,).
@@ -76,7 +76,7 @@ def visit(problem: DiscretizedOrbit, z: np.ndarray, i: int) -> int | None:
     return None
 
 
-def without_visit(problem: DiscretizedOrbit, z: np.ndarray, first: int) -> AdjacentOrbit:
+def without_visit(problem: LimitedOrbit, z: np.ndarray, first: int) -> AdjacentOrbit:
     """A mode is not entered in which the orbit is for no time: the events at both its ends do not happen.
 
     z has shape (N + 1,).
@@ -94,7 +94,7 @@ def without_visit(problem: DiscretizedOrbit, z: np.ndarray, first: int) -> Adjac
     return AdjacentOrbit(other, unknowns, minimum_of(other, 0, transition))
 
 
-def _quiet(problem: DiscretizedOrbit, z: np.ndarray, transition: Transition, start: float) -> AdjacentOrbit:
+def _quiet(problem: LimitedOrbit, z: np.ndarray, transition: Transition, start: float) -> AdjacentOrbit:
     """The only event of an itinerary does not happen: an orbit without events, over the whole cycle."""
     lasting, begin = problem.duration(z), start
     whole = problem.rounds * lasting

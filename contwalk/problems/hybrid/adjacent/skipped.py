@@ -23,14 +23,14 @@ from contwalk.problems.hybrid.adjacent.orbit import (
     starts_and_durations,
     state_on_leg,
 )
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Transition
 
 
-def without_first(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit | None:
+def without_first(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit | None:
     """Of two events that happen at once the first does not happen; None where the other one leads elsewhere.
 
     z has shape (N + 1,).
@@ -63,9 +63,7 @@ def without_first(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Adj
     return None
 
 
-def with_first(
-    problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, transition: Transition
-) -> AdjacentOrbit:
+def with_first(problem: LimitedOrbit, z: np.ndarray, limit: Limit, transition: Transition) -> AdjacentOrbit:
     """An event whose guard is zero where another one ends the leg happens just before it.
 
     z has shape (N + 1,).
@@ -113,6 +111,6 @@ def _apart(a: np.ndarray, b: np.ndarray, scale: np.ndarray) -> float:
     return float(np.abs((a - b) / scale).max())
 
 
-def _at_end(problem: DiscretizedOrbit, i: int, transition: Transition) -> Limit:
+def _at_end(problem: LimitedOrbit, i: int, transition: Transition) -> Limit:
     """The guard of another transition at the end of leg i."""
     return next(o for o in problem.limits if (o.leg, o.test, o.name) == (i, "end", transition.name))

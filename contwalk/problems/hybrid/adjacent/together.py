@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.problems.hybrid.adjacent.at_limit import ARRIVED, built_at, place_of
 from contwalk.problems.hybrid.adjacent.collapse import collapsed, collapses
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrbit, state_on_leg
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 
@@ -22,7 +22,7 @@ TOUCHES, TOUCHED = ("dip", "rate"), 1e-6
 SAME_TOUCH = 1e-2
 
 
-def met_together(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> list[Limit]:
+def met_together(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> list[Limit]:
     """The other limits of the kind of one that are met where it is.
 
     z has shape (N + 1,).
@@ -39,7 +39,7 @@ def met_together(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> list
 
 
 def built_beyond(
-    problem: DiscretizedOrbit, z: np.ndarray, changing: Sequence[Limit], place: float
+    problem: LimitedOrbit, z: np.ndarray, changing: Sequence[Limit], place: float
 ) -> AdjacentOrbit:
     """The neighbour beyond all of some limits; `place` is that of the first on its leg, where it turns.
 
@@ -71,7 +71,7 @@ def built_beyond(
     return neighbour
 
 
-def _touched(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, scale: np.ndarray) -> np.ndarray:
+def _touched(problem: LimitedOrbit, z: np.ndarray, limit: Limit, scale: np.ndarray) -> np.ndarray:
     """Where a guard is touched, or arrives; NaN where it does not turn.
 
     The phase of the force, as a place on a circle, and the full state in units of `scale`.
@@ -86,7 +86,7 @@ def _touched(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, scale: np.n
     return np.array([np.cos(phase), np.sin(phase), *state])
 
 
-def _collapsing(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> list[Limit]:
+def _collapsing(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> list[Limit]:
     """The other legs that begin or cease to last where one does: those of its image, of a symmetric orbit."""
     if not collapses(problem, limit) and limit.test != "past":
         return []

@@ -1,0 +1,312 @@
+"""Discretised orbits: what they are, and how their unknowns are read.
+
+An orbit is a cycle of legs; one that meets no event is one leg that ends where it began. Its unknowns stand
+as its layout says: legs in their own times, or, of a smooth system, one leg whose segments are in times of
+the closure. These are of equal duration, or cut where a run's discretisation has it so. Times of such
+cuts, as parts of the closure, stand among the unknowns, behind drifts and before the free parameter, and are
+held by an equation each: a stored solution then tells the cuts that it was solved on.
+
+Beside the data stands here only what reads them: what is computed of an orbit are functions over this class,
+and `PeriodicOrbit` and `HybridOrbit` offer them to the engine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any, ClassVar, Self, TypeVar, Unpack
+
+import numpy as np
+
+from contwalk.problems.angles import whole_turns
+from contwalk.problems.forcing import period_at
+from contwalk.problems.kinks import Course
+from contwalk.problems.orbit.itinerary import Itinerary
+from contwalk.problems.orbit.layout import ClosureLayout, Layout
+from contwalk.problems.orbit.orbit_data import Further, OrbitData
+from contwalk.problems.orbit.passage import Passage, passage_of
+from contwalk.problems.orbit.piece import passed
+from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.shooting import Mesh, velocity
+from contwalk.problems.orbit.solution import Curve, Solution
+from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
+from contwalk.problems.parameter_line import Ends
+from contwalk.system import System, Transition
+
+# Halves: pitchforks of orbits with a symmetry that nobody declared stay pitchforks as well.
+PARTS = 2
+# Linearizations and motions that are kept: a step asks for the same ones several times.
+MOST_KEPT = 12
+# An orbit that would go a smaller part of its magnitudes in one closure is a point: it has no section.
+STILL = 1e-9
+
+Kind = TypeVar("Kind", bound="DiscretizedOrbit")
+
+
+class DiscretizedOrbit(OrbitData):
+    """Orbits of one itinerary on given steps; see `PeriodicOrbit` and `HybridOrbit` for the parameters."""
+
+    # Whether the one leg is in times of the closure: its period is no unknown where a force has it.
+    in_closure: ClassVar[bool] = False
+    layout: Any  # a `ClosureLayout`, or of legs a `Layout`
+
+    def __init__(
+        self,
+        system: System,
+        itinerary: Itinerary,
+        parameters: Mapping[str, float],
+        free: str,
+        path: Ends | None = None,
+        **further: Unpack[Further],
+    ) -> None:
+        self.itinerary = itinerary
+        super().__init__(system, parameters, free, path, **further)
+        self.turns = np.zeros(self.states)
+        # Parts of the closure in which the steps are alike.
+        self.parts = PARTS if self.cuttable and not itinerary.eventful else 1
+        self.layout = self._laid_out(1)
+
+    def _laid_out(self, cuts: int, times: np.ndarray | None = None) -> ClosureLayout | Layout:
+        """Where what stands with so many segments in each leg, by default of equal duration; a leg that is
+        collapsed has one.
+        """
+        legs, pins = self.itinerary.legs, len(self.pins)
+        if self.in_closure:
+            if self.discretization.uneven and times is None:
+                times = np.arange(cuts) / cuts
+            return ClosureLayout(self.states, self.forced, pins, cuts, times if self.uneven else None)
+        sizes = [len(self.system.states_of(leg.mode)) for leg in legs]
+        return Layout(sizes, self.forced, pins, [1 if leg.collapsed else cuts for leg in legs])
+
+    # -- variants ----------------------------------------------------------------------------------------
+
+    def of_itinerary(self, itinerary: Itinerary, times: int = 1, turns: np.ndarray | None = None) -> Self:
+        """The orbits of another itinerary, lasting `times` as many periods of the forcing.
+
+        `turns` has the shape (n,).
+        """
+        return self.like(type(self), itinerary, times, turns)
+
+    def like(
+        self, kind: type[Kind], itinerary: Itinerary, times: int = 1, turns: np.ndarray | None = None
+    ) -> Kind:
+        """As `of_itinerary`, of a class of orbits."""
+        other = kind(
+            self.system,
+            itinerary,
+            self.parameters,
+            self.free,
+            self.line.ends,
+            pins=self.pins,
+            reference=self.reference,
+            subharmonic=self.subharmonic * (times if self.forced else 1),
+            discretization=self.discretization,
+        )
+        other.line = self.line  # it may be one through a plane of two parameters, which its ends do not tell
+        other.turns = self.turns * times if turns is None else turns
+        other.effort = self.effort
+        return other
+
+    def closing(self, turns: np.ndarray, image: str = "", power: int = 1, order: int = 1) -> Self:
+        """The same legs closed up to a symmetry (or to none), with angles that turn, (n,)."""
+        itinerary = Itinerary(self.itinerary.legs, image, power, order)
+        other = self.varied(itinerary=itinerary, turns=turns)
+        return other.varied(passages=other._compiled())
+
+    def on(self, mesh: Mesh, section: Section | None) -> Self:
+        """The same problem on another mesh, with another section."""
+        layout = self._laid_out(mesh.segments, mesh.cuts) if self.in_closure else self.layout
+        return self.varied(_mesh=mesh, section=section, reference_orbit=None, layout=layout)
+
+    def cut_into(self, cuts: int) -> Self:
+        """The same problem with so many segments in each leg; its steps are made anew: see `adapted_to`."""
+        return self if cuts == self.cuts else self.varied(layout=self._laid_out(cuts))
+
+    @property
+    def cuts(self) -> int:
+        """Number of segments in each leg that may be cut."""
+        most: int = max(self.layout.cuts)
+        return most
+
+    @property
+    def cuttable(self) -> bool:
+        """Whether legs may be cut into segments: those of itineraries that end with an event, and a single
+        leg that ends where it began.
+        """
+        return self.itinerary.eventful or len(self.itinerary) == 1
+
+    def fitting(self, z: np.ndarray) -> Self:
+        """The same problem with the segments of a solution, which its length tells; where times of cuts stand
+        in it, with these.
+        """
+        if len(z) == self.size + 1 and not self.uneven:
+            return self
+        cuts = self.cuts + (len(z) - 1 - self.size) // added_by_cuts(self)
+        if not self.uneven:
+            return self.cut_into(cuts)
+        return self.varied(layout=self._laid_out(cuts, np.append(0.0, z[len(z) - cuts : -1])))
+
+    @property
+    def uneven(self) -> bool:
+        """Whether times of cuts stand among the unknowns."""
+        return self.in_closure and self.discretization.uneven
+
+    @cached_property
+    def passages(self) -> tuple[Passage, ...]:
+        """The legs' compiled functions."""
+        return self._compiled()
+
+    def _compiled(self) -> tuple[Passage, ...]:
+        system, itinerary = self.system, self.itinerary
+        inputs = ScalarInputs(self.line.own, self.line.moving, self.pins)
+        periods = self.forcings if self.in_closure and self.forced else None
+        return tuple(
+            passage_of(
+                system,
+                leg,
+                itinerary.target(i),
+                inputs,
+                Closing(itinerary.image_at(i), itinerary.power, periods),
+            )
+            for i, leg in enumerate(itinerary.legs)
+        )
+
+    # -- unknowns ----------------------------------------------------------------------------------------
+
+    def starts(self, z: np.ndarray) -> np.ndarray:
+        """States at the starts of the segments of a closure that is one leg, shape (m, n)."""
+        m, n = len(self.layout.segments), self.states
+        return z[: m * n].reshape(m, n)
+
+    def scalars(self, z: np.ndarray) -> np.ndarray:
+        """Scalars of the first leg: duration, start, drifts and free parameter, where they are unknown.
+
+        Shape (k,) of z, shape (N + 1,).
+        """
+        scalars: np.ndarray = self.layout.inputs_of(self.layout.segments[0], z)[1]
+        return scalars
+
+    def given(self, z: np.ndarray) -> np.ndarray:
+        """What the first leg's field depends on at z, shape (N + 1,): scalars and fixed parameters."""
+        return np.concatenate([self.scalars(z), self.line.constants])
+
+    def duration(self, z: np.ndarray) -> float:
+        """Duration of the closure, seconds. z has the shape (N + 1,)."""
+        lasting = z[self.layout.durations]
+        if len(lasting):
+            return float(lasting.sum())
+        return self.forcings * period_at(self.system, self.values_of(z))
+
+    def starting_times(self, z: np.ndarray) -> np.ndarray:
+        """Times at which the legs start, and the last one ends, shape (m + 1,)."""
+        first = 0.0 if self.layout.start is None else float(z[self.layout.start])
+        return first + np.concatenate([[0.0], np.cumsum(z[self.layout.durations])])
+
+    def assembled(
+        self,
+        states: Sequence[np.ndarray],
+        lasting: Sequence[float] | np.ndarray,
+        drifts: np.ndarray,
+        value: float,
+        start: float = 0.0,
+    ) -> np.ndarray:
+        """Unknowns from full states at the starts of the legs, their durations, and when the first begins.
+
+        Segments are not cut: see `cutting.filled`.
+
+        States have the shape (n,) each, durations (m,), drifts (k,); unknowns (N + 1,).
+        """
+        z = np.zeros(self.layout.size + 1)
+        for place, passage, x in zip(self.layout.states, self.passages, states, strict=True):
+            z[place] = x[list(passage.states)]
+        z[self.layout.durations], z[self.layout.drifts], z[-1] = lasting, drifts, value
+        if self.layout.start is not None:
+            z[self.layout.start] = start
+        return z
+
+    def magnitudes_of(self, weights: np.ndarray) -> np.ndarray:
+        """Typical magnitudes of all states, of weights of the unknowns; 1 for those of no leg.
+
+        Magnitudes have the shape (n,), weights (N + 1,).
+        """
+        magnitudes = np.ones(self.states)
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            magnitudes[list(passage.states)] = weights[place] / np.sqrt(len(self.layout.segments))
+        return magnitudes
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one.
+
+        Of a forced orbit the instant at which it begins, where that is unknown, counts modulo its period, as
+        an angle does.
+
+        All have the shape (N + 1,).
+        """
+        if len(z) != self.size + 1:
+            return self.fitting(z).nearest_turn(z, near)
+        periods = self.periods
+        if self.layout.start is not None:
+            periods[self.layout.start] = self.rounds * self.duration(z)
+        return z + whole_turns(near - z, periods)
+
+    # -- the motion --------------------------------------------------------------------------------------
+
+    def passes(self, z: np.ndarray) -> Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Of each segment the states at its steps, its end, and the derivatives of that: of segments in times
+        of the closure all in one pass.
+        """
+        if not self.in_closure:
+            return super().passes(z)
+        times, ends = self.mesh.times, self.mesh.ends
+        nodes, ended, moved = passed(self.segments[-1], times, ends, self.starts(z), self.scalars(z))
+        return list(zip(np.split(nodes, ends[:-1] + 1), ended, moved, strict=True))
+
+    def solution(self, z: np.ndarray) -> Solution:
+        """The motion of z over a closure that is one leg, of which every part is integrated once.
+
+        z has the shape (N + 1,).
+        """
+
+        def made() -> Solution:
+            own = z.copy()
+            return Solution(self.passages[0], self.mesh, self.given(own), self.starts(own))
+
+        return self.known.at("solution", z, MOST_KEPT, made)
+
+    def curve(self, z: np.ndarray) -> Curve:
+        """The integrated part of that motion, in 0..1. z has the shape (N + 1,)."""
+        return self.solution(z).curve
+
+    @property
+    def events(self) -> list[tuple[int, Transition]]:
+        """The legs that last until an event whose guard depends on the states, and that event."""
+        each = [(i, leg.transition) for i, leg in enumerate(self.itinerary.legs) if not leg.collapsed]
+        return [(i, own) for i, own in each if own and not self.passages[i].of_time_alone(own)]
+
+    def courses(self, z: np.ndarray) -> list[Course]:
+        """The legs as they are looked at for kinks of their fields. z has the shape (N + 1,)."""
+        if all(passage.switching is None for passage in self.passages):
+            return []
+        return [course for leg in self.view(z) for course in leg.course()]
+
+
+def added_by_cuts(orbit: DiscretizedOrbit) -> int:
+    """How many unknowns each further segment in all legs adds."""
+    each = zip(orbit.itinerary.legs, orbit.layout.sizes, strict=True)
+    return sum(n for leg, n in each if not leg.collapsed) + int(orbit.uneven)
+
+
+def section_through(
+    orbit: DiscretizedOrbit, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray
+) -> Section | None:
+    """The section through a state at which the first leg starts, across the flow there; of an orbit that is
+    a point, as at a Hopf point, the one it has. None where an event or a force fixes the phase.
+
+    x and magnitudes have the shape (n,).
+    """
+    if orbit.forced or orbit.itinerary.eventful:
+        return None
+    own = velocity(orbit.passages[0], x, 0.0, values)
+    if np.linalg.norm(own / magnitudes) <= STILL and orbit.section is not None:
+        return orbit.section
+    return section_at(x, own, magnitudes)
