@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from contwalk.cli import plot_margins
 from contwalk.cli.stored_system import required_system, trust_option, units_of_run
 from contwalk.errors import ContwalkError
 
@@ -22,10 +23,12 @@ KINDS = (
     "locus",
     "chart",
     "machine",
+    "margins",
     "phase_portrait",
     "stick_figure",
     "time_series",
 )
+MARGINS = "margins"
 # Those that are of stored points, and take --point.
 OF_POINTS = ("machine", "phase_portrait", "stick_figure", "time_series")
 # Those that compute something, and need the system.
@@ -48,7 +51,10 @@ WITH_AXES = ("bifurcation_diagram", "stability_map", "locus", "chart", "phase_po
 @click.option(
     "--kind",
     type=click.Choice(KINDS),
-    help=f"The figure; by default {KINDS[0]}, or locus where all branches are curves in two parameters.",
+    help=(
+        f"The figure; by default {KINDS[0]}, or locus where all branches are curves in two parameters, or "
+        "margins where DB is the file of margins."
+    ),
 )
 @click.option("--branch", "names", metavar="b1", multiple=True, help="A branch to draw; all by default.")
 @click.option(
@@ -73,7 +79,7 @@ def command(
     force: bool,
     trust: bool,
 ) -> None:
-    """Draw a figure of the database DB into the file FIG.
+    """Draw a figure of the database DB, or of the file of margins X_margins.h5, into the file FIG.
 
     The axes take any parameter, state or observable; those of motions take states and signals. For a
     stability map, -x is the free parameter and -y the swept one.
@@ -82,14 +88,20 @@ def command(
     from contwalk.cli.point_page import stored_point
     from contwalk.storage import open_database
     from contwalk.storage.failures import refuse_existing
+    from contwalk.storage.trajectory import is_of_margins
     from contwalk.workflow.figures import draw_figure
 
-    asked, kind = kind, kind or KINDS[0]
+    asked, kind = kind, kind or (MARGINS if is_of_margins(db) else KINDS[0])
     if len(several) > 1 and kind != "time_series":
         raise ContwalkError(f"The figure {kind} has one vertical axis.", "Give -y once.")
     y = several[0] if several else None
     _check_options(kind, x, y, z, points)
     refuse_existing([Path(output)], force)
+    if kind == MARGINS:
+        if names:
+            raise ContwalkError("Margins have no branches.", "Leave --branch out.")
+        plot_margins.plot(db, output, trust)
+        return
     with open_database(db) as database:
         branches = [database.branch(name) for name in dict.fromkeys(names)] or database.branches()
         if asked is None and all(branch.info.problem == "locus" for branch in branches):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -18,6 +18,7 @@ ROW = 0.19  # inches for a state
 DIGITS = 3
 # Beyond the largest border there is room for its number.
 ROOM = 3.5
+PICTURE = 1.7  # inches for a machine above its panel
 # Of the largest border: a smaller one is none at all, and gets no bar.
 NOTHING = 1e-9
 
@@ -28,6 +29,7 @@ def plot_margins(
     axes: Sequence[Axes] | None = None,
     *,
     units: Mapping[str, str] | None = None,
+    draw: Callable[[int, Axes], None] | None = None,
 ) -> Figure:
     """Draw margins, a panel for each instant: to the left how far a state may be pushed down, right up.
 
@@ -41,9 +43,11 @@ def plot_margins(
     fractions : sequence of float
         Of the closure, for each instant.
     axes : sequence of Axes, optional
-        Where to draw, one for each instant; new ones by default.
+        Where to draw, one for each instant, and with `draw` one more for each; new ones by default.
     units : mapping, optional
         Units by name.
+    draw : callable, optional
+        Draws the machine at an instant, by its number, into axes above the panel.
 
     Returns
     -------
@@ -63,16 +67,34 @@ def plot_margins(
     floor = 10.0 ** math.floor(math.log10(low) - 0.2)
     reach = math.log10(ROOM * high / floor)
     if axes is None:
-        axes = new_grid("margins", len(fractions), min(len(fractions), MOST_COLUMNS))
-        figure = _figure_of(axes[0])
-        lines = -(-len(fractions) // MOST_COLUMNS)
-        figure.set_figheight(lines * max(ROW * len(states) + 1.1, 2.2))
-    for number, ax in enumerate(axes):
+        axes = _new_axes(len(fractions), max(ROW * len(states) + 1.1, 2.2), pictured=draw is not None)
+    for number, ax in enumerate(axes[: len(fractions)]):
         _panel(ax, [row for row in rows if row["instant"] == number], states, floor, reach)
-        ax.set_title(f"instant {number}: {fractions[number]:.4g} of the closure", fontsize=8.5, color=INK)
+        above = ax if draw is None else axes[len(fractions) + number]
+        above.set_title(f"instant {number}: {fractions[number]:.4g} of the closure", fontsize=8.5, color=INK)
+        if draw is not None:
+            draw(number, above)
+            above.set_axis_off()
         named = number % MOST_COLUMNS == 0
         ax.set_yticks(range(len(states)), [axis_label(s, units) for s in states] if named else [])
     return _figure_of(axes[0])
+
+
+def _new_axes(number: int, height: float, pictured: bool) -> list[Axes]:
+    """Panels of so many inches, a few of them in a line, then axes for the machines above them."""
+    columns = min(number, MOST_COLUMNS)
+    lines = -(-number // columns)
+    if not pictured:
+        panels = new_grid("margins", number, columns)
+        _figure_of(panels[0]).set_figheight(lines * height)
+        return panels
+    grid = new_grid("margins", 2 * lines * columns, columns, heights=(PICTURE, height) * lines)
+    _figure_of(grid[0]).set_figheight(lines * (PICTURE + height))
+    rows = [grid[first : first + columns] for first in range(0, len(grid), columns)]
+    pictures, panels = ([ax for row in rows[which::2] for ax in row] for which in (0, 1))
+    for ax in (*pictures[number:], *panels[number:]):
+        ax.remove()
+    return [*panels[:number], *pictures[:number]]
 
 
 def _figure_of(ax: Axes) -> Figure:
@@ -110,7 +132,16 @@ def _panel(
     there = {row["state"] for row in rows}
     for place, state in enumerate(states):
         if state not in there:
-            ax.text(0.0, place, "not pushed", ha="center", va="center", fontsize=6.5, color=GREY)
+            ax.text(
+                0.0,
+                place,
+                "not pushed",
+                ha="center",
+                va="center",
+                fontsize=6.5,
+                color=GREY,
+                backgroundcolor="white",
+            )
     dress(ax, "push down          push up", "")
     ax.axvline(0.0, color=INK, linewidth=0.7, zorder=3)
     ax.set_xlim(-1.35 * reach, 1.35 * reach)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -76,13 +77,24 @@ def new_panels(kind: str, number: int) -> list[Axes]:
     return list(_new_figure(kind, number).subplots(number, squeeze=False)[:, 0])
 
 
-def new_grid(kind: str, number: int, columns: int, projection: str | None = None) -> list[Axes]:
-    """As `new_axes`, with panels in so many columns, row by row; all of the size of one figure."""
+def new_grid(
+    kind: str,
+    number: int,
+    columns: int,
+    projection: str | None = None,
+    heights: Sequence[float] | None = None,
+) -> list[Axes]:
+    """As `new_axes`, with panels in so many columns, row by row; all of the size of one figure.
+
+    `heights` are those of the rows, in parts of each other; all are the same by default.
+    """
     rows = -(-number // columns)
     figure = _new_figure(kind, 1)
     width, height = PROPORTIONS[kind]
     figure.set_size_inches(width * columns, height * rows)
-    grid = figure.subplots(rows, columns, squeeze=False, subplot_kw={"projection": projection})
+    grid = figure.subplots(
+        rows, columns, squeeze=False, subplot_kw={"projection": projection}, height_ratios=heights
+    )
     axes = list(grid.ravel())
     for ax in axes[number:]:
         ax.remove()

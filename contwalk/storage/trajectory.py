@@ -269,6 +269,15 @@ def read_margins(path: str | Path) -> Margins:
     return _read(path, MARGINS, take)
 
 
+def is_of_margins(path: str | Path) -> bool:
+    """Whether a file is one that `contwalk margins` has written; no for what is none that can be read."""
+    try:
+        with h5py.File(path, "r") as file:
+            return bool(file.attrs.get("format") == MARGINS)
+    except OSError:
+        return False
+
+
 def _basin(file: h5py.File) -> dict[str, Any]:
     if "basin" not in file:
         return {}

@@ -22,6 +22,7 @@ from contwalk.workflow.made_with import made_with_but_the_hour
 from contwalk.workflow.many_runs import Executor, Runs
 from contwalk.workflow.margin_rays import row_of
 from contwalk.workflow.margin_study import check_unpushed, rays_of, study_of
+from contwalk.workflow.margins_picture import drawn_margins
 from contwalk.workflow.run_file.margins import MarginsFile
 
 
@@ -111,12 +112,16 @@ def margins(
             with Runs(reached, plane, jobs, executor) as runs:
                 basin = basin_of(run, plane, kept, kept.kept[len(rays) :], runs)
             notes += basin.notes
-        write_margins(names.database, _to_store(run, study.solution, rows, notes, basin))
+        stored = _to_store(run, study.solution, rows, notes, basin)
+        write_margins(names.database, stored)
         files, drawn = [names.database], []
         if rows:
             _write_table(rows, names.table)
             files.append(names.table)
-            drawn += [_drawn(run, study.solution, rows, names.picture)] if figures else []
+            if figures:
+                undrawn = drawn_margins(stored, run.system, names.picture)
+                notes += [undrawn] if undrawn else []
+                drawn.append(names.picture)
         if basin is not None:
             write_basin_table(basin, names.basin_table)
             files.append(names.basin_table)
@@ -148,6 +153,8 @@ def _to_store(
     notes: Sequence[str],
     basin: BasinResult | None,
 ) -> Margins:
+    from contwalk.plotting import units_of
+
     return Margins(
         system=run.system.name,
         states=run.system.state_names,
@@ -159,6 +166,8 @@ def _to_store(
         header={
             "config": run.text,
             "overrides": list(run.overrides),
+            "model": dict(run.model),
+            "units": units_of(run.system),
             "parameters": solution.parameters,
             "notes": list(notes),
             "provenance": made_with_but_the_hour(run.path, run.system_reference, run.system),
@@ -219,11 +228,3 @@ def _cells(rows: Sequence[dict[str, Any]]) -> Iterator[list[object]]:
             "borders": " ".join(repr(border) for border in row["borders"]),
         }
         yield [given[name] for name in COLUMNS]
-
-
-def _drawn(run: MarginsFile, solution: Solution, rows: Sequence[dict[str, Any]], path: Path) -> Path:
-    from contwalk import plotting
-
-    fractions = [instant.fraction for instant in solution.instants]
-    figure = plotting.plot_margins(rows, fractions, units=plotting.units_of(run.system))
-    return plotting.save(figure.axes[0], path)

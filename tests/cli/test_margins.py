@@ -383,3 +383,42 @@ def test_a_push_that_is_hardly_forgotten_when_the_motion_survives_is_told(contwa
     assert "0.61 is left" in " ".join(done.out.split())
     done = contwalk("margins", "oscillator.yaml", "--no-figures", "--force")
     assert "is left" not in done.out
+
+
+DRAW = """
+def draw(axes, t, x, p):
+    axes.plot([0.0, x[0]], [0.0, 1.0 / WHOLE])
+
+SYSTEM = dataclasses.replace(SYSTEM, draw=draw)
+"""
+
+
+def test_margins_are_drawn_from_their_file_as_by_the_study(contwalk, oscillator):
+    assert contwalk("margins", "oscillator.yaml").code == 0
+    study, figure = oscillator / "oscillator_margins.png", oscillator / "again.png"
+    again = contwalk("plot", "oscillator_margins.h5", "-o", "again.png", "--trust")
+    assert (again.code, again.err) == (0, "")
+    assert figure.read_bytes() == study.read_bytes()
+    without = contwalk("plot", "oscillator_margins.h5", "-o", "again.png", "--force")
+    assert without.code == 0
+    assert "Not shown: the machine where it is pushed." in without.err
+    for given, said in (
+        (("oscillator_margins.h5", "--branch", "b1"), "Margins have no branches."),
+        (("oscillator_margins.h5", "-x", "x"), "has no -x and -y"),
+        (("oscillator.h5", "--kind", "margins"), "holds no margins"),
+    ):
+        refused = contwalk("plot", *given, "-o", "other.png")
+        assert refused.code == 2
+        assert said in refused.err
+    assert not (oscillator / "other.png").exists()
+
+
+@pytest.mark.parametrize(("whole", "notes"), [("1.0", 0), ("0.0", 1)])
+def test_a_machine_that_cannot_be_drawn_is_told_beside_its_margins(contwalk, oscillator, whole, notes):
+    plugin = oscillator / "oscillator.py"
+    plugin.write_text(f"import dataclasses\n{plugin.read_text()}{DRAW.replace('WHOLE', whole)}")
+    done = contwalk("margins", "oscillator.yaml")
+    assert done.code == 0
+    said = " ".join(done.out.split())
+    assert said.count("The machine is not drawn above its margins.") == notes
+    assert (oscillator / "oscillator_margins.png").exists()

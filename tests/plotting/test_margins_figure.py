@@ -47,3 +47,20 @@ def test_a_bar_beyond_which_survival_begins_again_is_pale():
 def test_no_rows_are_refused():
     with pytest.raises(ContwalkError, match="no margins"):
         plotting.plot_margins([], [0.0])
+
+
+def test_machines_stand_above_their_panels():
+    drawn = []
+
+    def draw(number, ax):
+        drawn.append(number)
+        ax.plot([0.0, 1.0], [0.0, 1.0])
+
+    plain = plotting.plot_margins(ROWS, [0.0, 0.5])
+    figure = plotting.plot_margins(ROWS, [0.0, 0.5], draw=draw)
+    assert drawn == [0, 1]
+    assert figure.get_figheight() > plain.get_figheight() + 1.0
+    figure.draw_without_rendering()
+    for above, panel in zip(figure.axes[:2], figure.axes[2:], strict=True):
+        assert above.get_title().startswith("instant")
+        assert above.get_window_extent().y0 > panel.get_window_extent().y1
