@@ -75,6 +75,8 @@ def plot_margins(
         if draw is not None:
             draw(number, above)
             above.set_axis_off()
+            for text in above.texts:  # as many would not fit as fit
+                text.set_visible(False)
         named = number % MOST_COLUMNS == 0
         ax.set_yticks(range(len(states)), [axis_label(s, units) for s in states] if named else [])
     return _figure_of(axes[0])
@@ -141,6 +143,7 @@ def _panel(
                 fontsize=6.5,
                 color=GREY,
                 backgroundcolor="white",
+                zorder=4,
             )
     dress(ax, "push down          push up", "")
     ax.axvline(0.0, color=INK, linewidth=0.7, zorder=3)

@@ -7,14 +7,16 @@ them, so that what is made of them is the same to the last bit. What is shared g
 
 from __future__ import annotations
 
+import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from itertools import islice
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from types import TracebackType
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -140,9 +142,18 @@ _FUNCTION: list[Callable[[Any], Any]] = []
 
 
 def _prepare(function: Callable[[Any, Any], Any], shared: Any) -> None:
-    """A worker keeps what its tasks share, and leaves Ctrl-C to the process that it works for."""
+    """A worker keeps what its tasks share, leaves Ctrl-C to the process that it works for, ends with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     _FUNCTION[:] = [partial(function, shared)]
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that it works for is killed: no pool is there to end it."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _run(task: Any) -> Any:

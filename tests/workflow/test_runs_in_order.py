@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -85,3 +87,28 @@ def test_an_error_of_a_run_is_raised_here():
 def test_anything_with_map_may_compute():
     with ThreadPoolExecutor(2) as executor:
         assert [r[2] for r in in_order(squared, 0, [1, 2, 3], executor=executor)] == [1, 4, 9]
+
+
+KILLED = """\
+import os, time
+from contwalk.workflow.many_runs import Runs
+
+def number_of_process(shared, task):
+    return os.getpid()
+
+if __name__ == "__main__":
+    with Runs(number_of_process, None, jobs=2) as runs:
+        for number in runs.in_order([0, 0]):
+            print(number, flush=True)
+        time.sleep(60)
+"""
+
+
+def test_processes_end_with_the_one_that_they_work_for(tmp_path):
+    script = tmp_path / "killed.py"
+    script.write_text(KILLED, encoding="utf-8")
+    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as main:
+        assert main.stdout is not None
+        assert all(int(main.stdout.readline()) != main.pid for _ in range(2))
+        main.kill()
+        main.communicate(timeout=20.0)  # they have the same output: it ends with the last of them
