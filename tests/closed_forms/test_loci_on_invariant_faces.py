@@ -10,11 +10,14 @@ import numpy as np
 import pytest
 from hybrid_runs import branch_of
 from loci_of_orbits import FINE, WALKED, map_as_machine
+from loci_of_orbits import assert_at as assert_known_at
 from small_systems import small_problem
 
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
+from contwalk.continuation.reopening import reopened
 from contwalk.problems.locus.orbit_points.resonances import R2OnTori
+from contwalk.problems.locus.orbit_points.where_branches_cross import OnBranchPoints
 
 pytestmark = pytest.mark.slow
 
@@ -85,25 +88,60 @@ def test_folds_that_touch_transcritical_points() -> None:
 
 
 def flipping(x, p):
-    """On the face y = 0 doublings where mu = 0, with the cubic coefficient 0.35 all along."""
-    return -(1.0 + p.mu) * x[0] + 0.5 * x[0] ** 2 + 0.1 * x[0] ** 3, x[1] * (1.0 + p.nu - x[1] + 0.3 * x[0])
+    """On the face y = 0 doublings where mu = 0, with the cubic coefficient 0.35 all along.
+
+    Beside it, where y = nu, they are where mu = -0.4 nu.
+    """
+    first = -(1.0 + p.mu + 0.4 * x[1]) * x[0] + 0.5 * x[0] ** 2 + 0.1 * x[0] ** 3
+    return first, x[1] * (1.0 + p.nu - x[1] + 0.3 * x[0])
 
 
 def turning(x, p):
     """On the face z = 0 tori where mu = 0, with the cubic coefficient minus one all along."""
-    g = 1.0 + p.mu - x[0] ** 2 - x[1] ** 2
+    g = 1.0 + p.mu + 0.4 * x[2] - x[0] ** 2 - x[1] ** 2
     cos, sin = math.cos(1.0), math.sin(1.0)
     turned = g * (cos * x[0] - sin * x[1]), g * (sin * x[0] + cos * x[1])
     return *turned, x[2] * (1.0 + p.nu - x[2] + 0.3 * x[0])
 
 
-@pytest.mark.parametrize(("image", "states", "point"), [(flipping, "xy", "PD1"), (turning, "xyz", "NS1")])
-def test_no_cubic_coefficient_vanishes_where_a_multiplier_of_a_face_passes_one(image, states, point) -> None:
-    system = map_as_machine(image, states, {"mu": -0.4, "nu": -0.23})
-    branch = branch_of(system, "mu", (-0.5, 0.3), [0.0] * len(states))
-    found = cw.continue_locus(system, branch, point, {"mu": (-0.5, 0.5), "nu": (-0.3, 0.2)}, **FINE)
-    assert np.max(np.abs(found["mu"])) < WALKED
-    assert not {p.label for p in found.special_points} & {"GPD", "CH", "R2"}
+def crossing(image, states: str, last: float, nu: float, point: str) -> Branch:
+    """The curve through a point of the branch along mu on which the last state is `last`."""
+    system = map_as_machine(image, states, {"mu": -0.4, "nu": nu})
+    branch = branch_of(system, "mu", (-0.5, 0.3), [0.0] * (len(states) - 1) + [last])
+    return cw.continue_locus(system, branch, point, {"mu": (-0.5, 0.5), "nu": (-0.3, 0.2)}, **FINE)
+
+
+@pytest.mark.parametrize(
+    ("image", "states", "last", "point", "label"),
+    [
+        (flipping, "xy", 0.0, "PD1", "LPPD"),
+        (flipping, "xy", 0.15, "PD1", "LPPD"),
+        (turning, "xyz", 0.0, "NS1", "LPNS"),
+    ],
+)
+def test_where_a_multiplier_of_a_face_passes_one_the_curves_of_both_branches_cross(
+    image, states, last, point, label
+) -> None:
+    """And no cubic coefficient vanishes there, nor does the angle of a torus that stands still tell R2."""
+    found = crossing(image, states, last, last or -0.23, point)
+    assert np.max(np.abs(found["mu"] + 0.4 * found[states[-1]])) < WALKED
+    assert np.max(np.abs(found[states[-1]] - (found["nu"] if last else 0.0))) < WALKED
+    (told,) = [p for p in found.special_points if p.label != "EP"]
+    assert (told.label, told.kind) == (label, "branch point")
+    assert_known_at(found, label, [(0.0, 0.0)])
+
+
+def test_the_curves_of_both_branches_from_the_branch_points_of_a_face() -> None:
+    system = map_as_machine(flipping, "xy", {"nu": -0.23, "mu": 0.1})
+    branch = branch_of(system, "nu", (-0.3, 0.2), [0.0, 0.0])
+    found = cw.continue_locus(system, branch, "BP1", {"nu": (-0.3, 0.2), "mu": (-0.5, 0.5)}, **FINE)
+    (told,) = [p for p in found.special_points if p.label != "EP"]
+    assert (told.label, told.kind) == ("LPPD", "branch point")
+    assert_known_at(found, "LPPD", [(0.0, 0.0)])
+    problem, _ = reopened(system, found, told, FINE["discretization"])
+    seeds = OnBranchPoints("LPPD", "PD").seeds(problem, told)
+    slopes = sorted(float(seed.tangent[-2] / seed.tangent[-1]) for seed in seeds)  # of mu by nu
+    np.testing.assert_allclose(slopes, [-0.4, 0.0], atol=1e-7)
 
 
 @pytest.mark.parametrize("rate", [1e-66, -3e-17])

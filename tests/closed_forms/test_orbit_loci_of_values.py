@@ -71,11 +71,11 @@ def test_a_circle_of_branch_points() -> None:
 
 
 def test_transcritical_points_of_a_map() -> None:
-    """Of x -> x + x (lam - nu^2 - x) where lam = nu^2."""
+    """Of x -> x + x (lam - nu^2 - x) where lam = nu^2, from a branch along the second parameter."""
     system = map_as_machine(
-        lambda x, p: (x[0] + x[0] * (p.lam - p.nu**2 - x[0]),), "x", {"lam": -0.3, "nu": 0.3}
+        lambda x, p: (x[0] + x[0] * (p.lam - p.nu**2 - x[0]),), "x", {"lam": 0.16, "nu": 0.1}
     )
-    branch = branch_of(system, "lam", (-0.4, 0.5), [0.0])
+    branch = branch_of(system, "nu", (0.05, 0.5), [0.0])
     curve = cw.continue_locus(system, branch, "BP1", RANGES, **FINE)
     assert curve.info.settings["of_problem"] == "hybrid_orbit"
     assert largest(curve["lam"] - curve["nu"] ** 2) < WALKED

@@ -10,7 +10,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.problems.kink import Kink, Met
-from contwalk.problems.locus.persistence import NOTHING, not_persistent
+from contwalk.problems.locus.persistence import not_persistent, unfolds
 from contwalk.problems.orbit.vanishing import shrunk
 from contwalk.problems.sample import Sample
 
@@ -57,10 +57,8 @@ class OrbitLocusDiagnosis:
         problem = self._problem
         if not problem.curve.unfolds:
             return False
-        column = np.abs(problem.condition.system.unfolding[:, 0])
-        there, own = self._plane.first(z)
-        levels = there.linearize(own).levels[0]
-        return not bool(np.all(abs(float(problem.further(z)[0])) * column <= NOTHING * levels))
+        change = float(problem.further(z)[0]) * problem.condition.system.unfolding[:, 0]
+        return unfolds(self._plane, z, change)
 
     def _orbits_end(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the curve ends between two neighbouring orbits, if these do: they lie on one line."""

@@ -319,6 +319,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
             tangent=own.tangent,
             weights=own.weights,
             observables=sample.observables[: self._own_observables],
+            orientation=1.0,  # where curves cross the orbits of one of them are no branch point themselves
         )
         orbit, seen = orbit.adapted(given)
         ahead = float(seen.z[-1]) * sample.tangent[-2:]
@@ -335,7 +336,11 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
             there = self.on(orbit, z, weights)
         again = there.examine(z, tangent, weights, there.linearize(z), sample.unstable, sample)
         kept = replace(
-            again, seconds=sample.seconds, evaluations=sample.evaluations, iterations=sample.iterations
+            again,
+            orientation=0.0 if sample.orientation == 0.0 else again.orientation,
+            seconds=sample.seconds,
+            evaluations=sample.evaluations,
+            iterations=sample.iterations,
         )
         return there, kept
 

@@ -10,6 +10,16 @@ import numpy as np
 NOTHING = 16.0
 
 
+def unfolds(plane: Any, z: np.ndarray, change: np.ndarray) -> bool:
+    """Whether what is added to the equations of an orbit, shape (N,), is more than their rounding at z.
+
+    `plane` is an `OrbitPlane`, z has the shape (N + k + 2,).
+    """
+    there, own = plane.first(z)
+    levels = there.linearize(own).levels[0]
+    return not bool(np.all(np.abs(change) <= NOTHING * levels))
+
+
 def not_persistent(problem: Any, z: np.ndarray) -> str:
     """Why there is no curve of branch points through z, shape (N + 1,)."""
     second = str(problem.line.second)

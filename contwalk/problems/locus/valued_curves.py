@@ -147,6 +147,11 @@ def _crossing(near: At, which: int) -> Valued:
     return _valued(values, near, np.zeros(1), (b * rows)[:, None])
 
 
+def steepest_crossing(near: At) -> Valued:
+    """The condition of a branch point somewhere near a place, along the parameter that tells it better."""
+    return max((_crossing(near, which) for which in (0, 1)), key=lambda found: _sizes(found, near)[-1])
+
+
 def _sizes(condition: Valued, near: At) -> np.ndarray:
     """How fast the values of a condition change along the solutions of F = 0: singular values, shape (2,)."""
     place = near.place

@@ -17,8 +17,10 @@ from contwalk.problems.locus.orbit_points.resonances import (
     R2OnTori,
 )
 from contwalk.problems.locus.orbit_points.two_at_once import ResonantGrazing, TwoAtOnce
+from contwalk.problems.locus.orbit_points.where_branches_cross import OnBranchPoints, WhereBranchesCross
 
-_OF_ALL = (Crossing(), MarkedValue(), EndPoint())
+_MARKS = (MarkedValue(), EndPoint())
+_OF_ALL = (Crossing(), *_MARKS)
 _ON_TORI = (Chenciner(), R1OnTori(), R2OnTori(), R3(), R4())
 POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
     "LP": (
@@ -35,7 +37,8 @@ POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
         R2OnDoublings(),
         TwoAtOnce("PDNS", "NS"),
         *LIMITS_ON["PD"].values(),
-        *_OF_ALL,
+        WhereBranchesCross("LPPD"),
+        *_MARKS,
     ),
     "NS": (
         *_ON_TORI,
@@ -44,7 +47,8 @@ POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
         TwoAtOnce("NSNS", "NS"),
         CountChange(saddles=True),
         *LIMITS_ON["NS"].values(),
-        *_OF_ALL,
+        WhereBranchesCross("LPNS"),
+        *_MARKS,
     ),
     "GR": (
         ResonantGrazing("GRLP", "LP"),
@@ -63,7 +67,13 @@ POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
         *LIMITS_ON["UZ"].values(),
         *_OF_ALL,
     ),
-    "BP": (CountChange(), *LIMITS_ON["BP"].values(), *_OF_ALL),
+    "BP": (
+        OnBranchPoints("LPPD", "PD"),
+        OnBranchPoints("LPNS", "NS"),
+        CountChange(),
+        *LIMITS_ON["BP"].values(),
+        *_OF_ALL,
+    ),
     "OC": (CountChange(), *LIMITS_ON["OC"].values(), *_OF_ALL),
     "AZ": (CountChange(), *LIMITS_ON["AZ"].values(), *_OF_ALL),
 }

@@ -19,6 +19,8 @@ from contwalk.problems.problem import Seed
 
 # How far beside the point the other curve begins, in the metric: walking back finds the point.
 BESIDE = 1e-2
+# How far along a direction slopes are looked at for second derivatives, in the metric.
+DIFFERENCE = 1e-4
 
 
 def born(problem: Any, point: SpecialPoint, label: str, cosine: float | None = None) -> list[Seed]:
@@ -51,8 +53,57 @@ def limit_born(problem: Any, point: SpecialPoint, label: str) -> list[Seed]:
     return _begun(problem, point, curve)
 
 
-def _begun(problem: Any, point: SpecialPoint, choose: Any) -> list[Seed]:
-    """The curve that `choose` tells of the orbit at a point."""
+def crossing_born(problem: Any, point: SpecialPoint) -> list[Seed]:
+    """The other curve of the same kind through a point at which two cross."""
+    known = np.array(point.tangent)
+
+    def own(there: Any, near: At) -> tuple[OrbitCurve, np.ndarray]:
+        return problem.curve, problem.further(np.array(point.unknowns))
+
+    def other(curve: Any, place: np.ndarray, scale: np.ndarray) -> list[np.ndarray]:
+        found = _where_two_cross(curve, place, scale)
+        return sorted(found, key=lambda t: abs(float((t / scale) @ (known / scale))))[:1]
+
+    return _begun(problem, point, own, other)
+
+
+def both_born(problem: Any, point: SpecialPoint, label: str, cosine: float | None = None) -> list[Seed]:
+    """Both curves of a kind, as of `born`, through a point at which two cross."""
+    further = np.zeros(0) if cosine is None else np.array([cosine])
+    return _begun(problem, point, lambda there, near: (CURVES[label], further), _where_two_cross)
+
+
+def _where_two_cross(curve: Any, z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
+    """Tangents of both curves through a point, units in the metric; none where they are not told apart.
+
+    With psi DG = 0 they are those solutions of DG t = 0 for which psi.D2G(t, t) = 0. All have the shape
+    (N + k + 2,); the second derivatives are differences of slopes.
+    """
+    rows = np.ones(len(z) - 1)
+    rows[: curve.plane.size] = curve.orbit.equation_scales
+
+    def slopes(place: np.ndarray) -> np.ndarray:
+        return np.asarray(curve.jacobian(place) / rows[:, None] * weights)
+
+    # Balanced as a matrix of states, equations that vanish on an invariant face would count for nothing.
+    left, _, right = np.linalg.svd(slopes(z))
+    basis = right[-2:].T
+
+    def second(q: np.ndarray) -> np.ndarray:
+        ahead, behind = (slopes(z + sign * DIFFERENCE * weights * q) for sign in (1.0, -1.0))
+        return np.asarray(left[:, -1] @ (ahead - behind))
+
+    form = np.array([second(q) @ basis for q in basis.T])
+    values, vectors = np.linalg.eigh(0.5 * (form + form.T))
+    if not values[0] < 0.0 < values[1]:
+        return []
+    shares = np.sqrt(np.array([values[1], -values[0]]))
+    tangents = [basis @ (vectors @ (shares * np.array([1.0, sign]))) for sign in (1.0, -1.0)]
+    return [t / np.linalg.norm(t) * weights for t in tangents]
+
+
+def _begun(problem: Any, point: SpecialPoint, choose: Any, tangents: Any = None) -> list[Seed]:
+    """The curve that `choose` tells of the orbit at a point, begun beside it; at it along `tangents`."""
     z = np.array(point.unknowns)
     there, own = problem.plane.first(z)
     typical = problem.weights[-2:]
@@ -71,6 +122,8 @@ def _begun(problem: Any, point: SpecialPoint, choose: Any) -> list[Seed]:
         jacobian = other.linearize(place).jacobian
         if not np.all(np.isfinite(jacobian)):
             return []
+        if tangents is not None:
+            return [Seed(curve.of, place, t, None, other) for t in tangents(other, place, scale)]
         beside = place + BESIDE * kernel_direction(jacobian, scale)
         return [Seed(curve.of, beside, None, None, other)]
     except (NotFinite, PluginError, np.linalg.LinAlgError):

@@ -20,6 +20,8 @@ from contwalk.problems.problem import Located, Sample, Seed, Test
 
 # Grazing orbits whose neighbours are kept: folds and doublings ask for the same ones.
 MOST_KEPT = 8
+# The kind of points whose multiplier one is that of a branch point that persists.
+BRANCH_POINT = "branch point"
 
 
 class TwoAtOnce(OrbitLocusPoint):
@@ -35,14 +37,14 @@ class TwoAtOnce(OrbitLocusPoint):
     test = Test.STABILITY
 
     def __init__(self, label: str, other: str) -> None:
-        self.label, self._other = label, other  # type: ignore[misc]
+        self.label, self.other = label, other  # type: ignore[misc]
         self.changes = (-2, 2) if other == "NS" else (-1, 1)  # type: ignore[misc]
 
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:
         """A multiplier as the other curve holds it, where something bifurcates on this one."""
         value = complex(sample.eigenvalues[which])
         told = "NS" if value.imag != 0.0 else "LP" if value.real > 0.0 else "PD"
-        return told == self._other and problem.curve.genuine(problem.further(sample.z))
+        return told == self.other and problem.curve.genuine(problem.further(sample.z))
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The conditions of both curves."""
@@ -52,7 +54,7 @@ class TwoAtOnce(OrbitLocusPoint):
         """The conditions of both curves; `angle` is that of the critical multipliers, where it is unknown."""
         there, own = problem.plane.first(sample.z)
         near = near_of(problem, sample, own)
-        curve, width = CURVES[self._other], len(sample.z)
+        curve, width = CURVES[self.other], len(sample.z)
         further = np.full(curve.further, np.cos(angle))
         places = np.arange(width, width + curve.further)
         held = [problem.condition, Held(curve.system(there, near, further), places)]
@@ -60,23 +62,23 @@ class TwoAtOnce(OrbitLocusPoint):
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The other curve."""
-        if self._other != "NS":
-            return born(problem, point, self._other)
+        if self.other != "NS":
+            return born(problem, point, self.other)
         held = float(problem.further(np.array(point.unknowns))[0]) if problem.curve.of == "NS" else None
         cosine = second_cosine(point, held)
         return () if cosine is None else born(problem, point, "NS", cosine)
 
     def critical(self, point: SpecialPoint, sample: Sample) -> complex:
         """The multiplier of the other curve."""
-        if self._other != "NS":
-            return complex(1.0 if self._other == "LP" else -1.0)
+        if self.other != "NS":
+            return complex(1.0 if self.other == "LP" else -1.0)
         found = second_cosine(point, float(sample.resting[0].real) if len(sample.resting) == 2 else None)
         cosine = 0.0 if found is None else found
         return complex(cosine, np.sqrt(max(1.0 - cosine**2, 0.0)))
 
     def has(self, point: SpecialPoint) -> bool:
-        """A point of that label where both curves cross."""
-        return point.label == self.label and point.kind != "resonant"
+        """A point of that label where both curves cross, no branch point."""
+        return point.label == self.label and point.kind not in ("resonant", BRANCH_POINT)
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """Of grazings the kind: both curves cross."""
@@ -108,7 +110,7 @@ class ResonantGrazing(TwoAtOnce):
             return float("nan")
         there, own = found
         rows, columns = scales.cycle_scales(there)
-        multiplier = 1.0 if self._other == "LP" else -1.0
+        multiplier = 1.0 if self.other == "LP" else -1.0
         matrix = variations.cycle_matrix(there, there.linearize(own).jacobian, multiplier)
         scaled = matrix / rows[:, None] * columns
         return float(np.linalg.slogdet(scaled)[0] * np.linalg.svd(scaled, compute_uv=False)[-1])
