@@ -14,9 +14,13 @@ from collections.abc import Sequence
 import numpy as np
 
 MOST_SWEEPS = 60
+# Factors that the iteration is begun at, where it stalls from one.
+MOST_STARTS = 8
 # An eigenvalue this small against the block that it is in is not known from it.
 GRADED = 1e-6
 EPSILON = float(np.finfo(float).eps)
+# Powers of two further apart than this are as good as zero beside each other.
+FARTHEST = 1000
 
 
 def product_eigenvalues(factors: Sequence[np.ndarray]) -> np.ndarray:
@@ -43,7 +47,7 @@ def product_eigenvalues(factors: Sequence[np.ndarray]) -> np.ndarray:
     if len(factors[0]) == 1:
         return scaled_product(np.array([factor[0] for factor in factors], dtype=complex))
     # A product has the eigenvalues of its cyclic permutations: where one stalls another one may not.
-    for first in range(len(factors)):
+    for first in range(0, len(factors), max(len(factors) // MOST_STARTS, 1)):
         chain = [np.array(factor, dtype=complex) for factor in (*factors[first:], *factors[:first])]
         try:
             _hessenberg(chain)
@@ -60,12 +64,17 @@ def scaled_product(entries: np.ndarray) -> np.ndarray:
     Partial products may lie far beyond the range of doubles where the whole lies in it: powers of two are
     taken out on the way.
     """
+    return _shifted(*_product_and_exponents(entries))
+
+
+def _product_and_exponents(entries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Products over the first axis of complex numbers (m, r), as numbers of size one and powers of two."""
     product, exponents = np.ones(entries.shape[1], dtype=complex), np.zeros(entries.shape[1], dtype=int)
     for row in entries:
         product = product * row
         _, shift = np.frexp(np.maximum(np.abs(product.real), np.abs(product.imag)))
         product, exponents = _shifted(product, -shift), exponents + shift
-    return _shifted(product, exponents)
+    return product, exponents
 
 
 def _shifted(values: np.ndarray, exponents: np.ndarray) -> np.ndarray:
@@ -124,27 +133,45 @@ def _sweeps(chain: list[np.ndarray]) -> None:
         _sweep(chain, low, high, _shift(chain, high, sweeps))
 
 
-def _shift(chain: list[np.ndarray], high: int, sweeps: int) -> complex:
-    """The eigenvalue of the trailing block of the product that is nearest to its corner."""
+def _shift(chain: list[np.ndarray], high: int, sweeps: int) -> tuple[complex, int]:
+    """The eigenvalue of the trailing block of the product that is nearest to its corner: a number and the
+    power of two that it is multiplied by, since the block may lie beyond the range of doubles.
+    """
     corner = slice(high - 1, high + 1)
-    block = np.eye(2, dtype=complex)
+    block, exponent = np.eye(2, dtype=complex), 0
     for factor in chain:
         block = factor[corner, corner] @ block
+        power = max(int(np.frexp(np.abs(block).max())[1]), -FARTHEST)
+        block, exponent = block * 2.0**-power, exponent + power
     if sweeps % 11 == 10:  # an exceptional shift, against cycles
-        return complex(abs(block[1, 0]) + abs(block[1, 1]))
+        return complex(abs(block[1, 0]) + abs(block[1, 1])), exponent
     values = np.linalg.eigvals(block)
-    shift = complex(values[np.argmin(np.abs(values - block[1, 1]))])
-    # A small eigenvalue of a formed product is mostly rounding; without a shift it separates by itself, as
-    # fast as
-    # it is small.
-    return shift if abs(shift) > GRADED * float(np.abs(block).max()) else 0.0
+    sizes = np.abs(values)
+    # The smaller of two graded eigenvalues is mostly rounding of the product; shifted by the larger
+    # one a sweep carries nothing of the smaller to the corner. Without a shift they separate by themselves,
+    # as fast as they are graded.
+    if sizes.min() <= GRADED * sizes.max():
+        return 0.0, 0
+    return complex(values[np.argmin(np.abs(values - block[1, 1]))]), exponent
 
 
-def _sweep(chain: list[np.ndarray], low: int, high: int, shift: complex) -> None:
-    """One QR sweep on rows and columns low..high: a bulge is chased through all factors."""
+def _first_column(chain: list[np.ndarray], low: int, shift: tuple[complex, int]) -> np.ndarray:
+    """The direction of the first column of the shifted product, shape (2,), in rows low and low + 1."""
     last = chain[-1]
-    scale = complex(np.prod([factor[low, low] for factor in chain[:-1]]))
-    column = np.array([last[low, low] * scale - shift, last[low + 1, low] * scale])
+    column = last[low : low + 2, low].copy()
+    if shift[0]:
+        diagonal = np.array([[factor[low, low]] for factor in chain[:-1]])
+        product, exponents = _product_and_exponents(diagonal)
+        # Whichever is larger is left as it is, so that nothing overflows.
+        ahead = int(exponents[0]) - shift[1]
+        column = column * product[0] * 2.0 ** max(min(ahead, 0), -FARTHEST)
+        column[0] -= shift[0] * 2.0 ** max(min(-ahead, 0), -FARTHEST)
+    return column
+
+
+def _sweep(chain: list[np.ndarray], low: int, high: int, shift: tuple[complex, int]) -> None:
+    """One QR sweep on rows and columns low..high: a bulge is chased through all factors."""
+    last, column = chain[-1], _first_column(chain, low, shift)
     for k in range(low, high):
         if k > low:
             column = last[k : k + 2, k - 1].copy()

@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from contwalk.numerics import periodic_schur
 from contwalk.numerics.periodic_schur import product_eigenvalues
 
 
@@ -148,3 +149,22 @@ def test_a_factor_that_is_zero():
     factors = [np.zeros((2, 2)), np.array([[-1.0, -1.0], [-2.0, 2.0]])]
     assert not np.any(product_eigenvalues(factors))
     assert not np.any(product_eigenvalues(factors[::-1]))
+
+
+@pytest.mark.parametrize("size", [2, 3])
+def test_a_product_graded_beyond_the_range_of_doubles(size, monkeypatch):
+    """Hundreds of steps of a relaxation oscillation: it attracts by 1e-1200, and 1e3 grows."""
+    sweeps = []
+    sweep = periodic_schur._sweep
+    monkeypatch.setattr(periodic_schur, "_sweep", lambda *given: sweeps.append(given) or sweep(*given))
+    random, number = np.random.default_rng(size), 400
+    bases = [np.linalg.qr(random.standard_normal((size, size)))[0] for _ in range(number)]
+    growth = np.array([1e3 ** (1.0 / number), 1e-3, 3e-3])[:size]
+    factors = []
+    for i in range(number):
+        inner = np.diag(growth) + 0.3 * np.triu(random.standard_normal((size, size)), 1)
+        factors.append(bases[(i + 1) % number] @ inner @ bases[i].T)
+    found = ordered(product_eigenvalues(factors))
+    assert found[0] == pytest.approx(1e3, rel=1e-10)
+    assert all(abs(value) < 1e-300 for value in found[1:])
+    assert len(sweeps) <= 4 * size
