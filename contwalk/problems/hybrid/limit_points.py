@@ -279,7 +279,7 @@ def _first_derivative(problem: LimitedOrbit, i: int, transition: Transition, sam
     long it lasts: after a release from rest it is not the rate.
 
     A guard that is zero again after T has begun with the derivative -b T / (k + 1) of order k, b the next
-    one.
+    one. Where the leg lasts no time, as at a located point, it is the last that is zero.
 
     Raises
     ------
@@ -295,6 +295,8 @@ def _first_derivative(problem: LimitedOrbit, i: int, transition: Transition, sam
         following = float(_starting(problem, i, transition, z, order + 1)[0])
         rounding = STILL * typical / problem.mesh.total**order
         if abs(value) >= max(LITTLE * abs(following) * lasting, rounding):
+            return order
+        if lasting <= STILL * problem.mesh.total and abs(following) >= rounding / problem.mesh.total:
             return order
         value = following
     raise np.linalg.LinAlgError(f"All derivatives of '{transition.name}' are zero where its segment begins.")

@@ -12,7 +12,14 @@ from contwalk.problems.hybrid.adjacent.at_limit import built_at
 from contwalk.problems.hybrid.adjacent.orbit import NoAdjacentOrbit
 from contwalk.problems.locus.orbit_curves import CURVES
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together, where_zero
+from contwalk.problems.locus.orbit_points.point import (
+    Form,
+    OrbitLocusPoint,
+    known_to,
+    near_of,
+    together,
+    where_zero,
+)
 from contwalk.problems.locus.orbit_points.switching import born, second_cosine
 from contwalk.problems.orbit import scales, variations
 from contwalk.problems.orbit.augmented import Augmented
@@ -100,9 +107,13 @@ class ResonantGrazing(TwoAtOnce):
         self.changes = (0,)  # type: ignore[misc]
 
     def value(self, problem: Any, sample: Sample) -> float:
-        """How far L(1), or L(-1), is from singular, with the sign of its determinant; NaN of other
-        grazings."""
-        return self._signed(problem, sample.z)
+        """How far L(1), or L(-1), is from singular, with the sign of its determinant; NaN of other grazings.
+
+        Zero where it is no more than errors of the steps: where the event changes nothing, L is singular all
+        along whatever the multiplier is, and signs of errors tell nothing.
+        """
+        found = self._signed(problem, sample.z)
+        return 0.0 if abs(found) <= known_to(problem) else found
 
     def _signed(self, problem: Any, z: np.ndarray) -> float:
         found = problem.known.at("arriving", z, MOST_KEPT, lambda: as_arriving(problem, z))
@@ -145,9 +156,11 @@ def as_arriving(problem: Any, z: np.ndarray) -> tuple[Any, np.ndarray] | None:
         return there, own
     if limit.test != "dip" or not limit.acts:
         return None
-    lasting = float(own[there.layout.durations][limit.leg])
+    since, lasting = float(problem.further(z)[0]), float(own[there.layout.durations][limit.leg])
+    if not 0.0 < since < lasting:  # as of what Newton's method tries
+        return None
     try:
-        neighbour = built_at(there, own, limit, float(problem.further(z)[0]) / lasting)
+        neighbour = built_at(there, own, limit, since / lasting)
     except NoAdjacentOrbit:
         return None
     return neighbour.problem, neighbour.z
