@@ -105,10 +105,10 @@ class EventIntegrator:
     ) -> None:
         # Not the machine itself: machines keep their integrators.
         self._system, self.columns, self._marks = machine.system, columns, marks
-        self._applied, self._paced = applied, int(paced)
-        self.modes = list(modes)
-        self.transitions = [each for mode in modes for each in machine.system.leaving(mode)]
-        self._numbered = {(each.name, each.source): k for k, each in enumerate(self.transitions)}
+        self._paced = int(paced)
+        self.modes: list[str] = []
+        self.transitions: list[Transition] = []
+        self._numbered: dict[tuple[str, str], int] = {}
         self._kept: list[np.ndarray] = []
         self.clock, self.happened = np.zeros(1), Happened()
         self.itinerary = np.zeros(events, dtype=np.int64)
@@ -121,14 +121,9 @@ class EventIntegrator:
         self._speeds: dict[tuple[str, str], np.ndarray] = {}
         self._looked_at: dict[str, list[str]] = {}
         self._weighed: dict[str, tuple[Call, np.ndarray]] = {}
-        places = [self._mode(machine.mode(name)) for name in self.modes]
-        transitions = [self._transition(machine, transition) for transition in self.transitions]
-        self.weigh(weights)
-        self._modes = (ModeRecord * len(places))(*places)
-        self._transitions = (TransitionRecord * len(transitions))(*transitions)
+        self._mode_records: list[ModeRecord] = []
+        self._transition_records: list[TransitionRecord] = []
         self._call = EventCall(
-            modes=addressof(self._modes),
-            transitions=addressof(self._transitions),
             clock=self._keep(self.clock),
             happened=self.happened.address,
             itinerary=self._keep(self.itinerary),
@@ -141,6 +136,40 @@ class EventIntegrator:
             column=self._keep(np.empty(len(machine.system.states))),
             shift=self._keep(self.shift),
         )
+        self.learn(machine, weights, modes, applied)
+
+    def learn(
+        self,
+        machine: HybridMachine,
+        weights: np.ndarray,
+        modes: Sequence[str],
+        applied: Collection[tuple[str, str]] | None = None,
+    ) -> None:
+        """Let it know further modes and resets; what it has of those that it knows stays as it is.
+
+        Parameters are those of the class, `weights` of shape (n,). Modes and resets that it knows may be
+        given again.
+        """
+        new = [name for name in modes if name not in self.places]
+        self.modes += new
+        for transition in (each for mode in new for each in machine.system.leaving(mode)):
+            self._numbered[transition.name, transition.source] = len(self.transitions)
+            self.transitions.append(transition)
+        self._mode_records += [self._mode(machine.mode(name)) for name in new]
+        self.weigh(weights, new)
+        unknown = TransitionRecord(target=-1)
+        self._transition_records += [unknown] * (len(self.transitions) - len(self._transition_records))
+        for number, transition in enumerate(self.transitions):
+            if self._transition_records[number].target < 0 and self._applies(transition, applied):
+                self._transition_records[number] = self._transition(machine, transition)
+        self._modes = (ModeRecord * len(self.modes))(*self._mode_records)
+        self._transitions = (TransitionRecord * len(self.transitions))(*self._transition_records)
+        self._call.modes, self._call.transitions = addressof(self._modes), addressof(self._transitions)
+
+    def _applies(self, transition: Transition, applied: Collection[tuple[str, str]] | None) -> bool:
+        """Whether it is to know the reset of a transition."""
+        known = applied is None or (transition.name, transition.source) in applied
+        return known and transition.role != "watched" and transition.target in self.places
 
     def _keep(self, array: np.ndarray) -> int:
         """The address of an array that lives as long as the integrator."""
@@ -211,11 +240,6 @@ class EventIntegrator:
         return -1 if transition.role == "watched" else self._numbered[transition.name, transition.source]
 
     def _transition(self, machine: HybridMachine, transition: Transition) -> TransitionRecord:
-        known = transition.target in self.modes
-        if self._applied is not None:
-            known = known and (transition.name, transition.source) in self._applied
-        if transition.role == "watched" or not known:
-            return TransitionRecord(target=-1)
         jump, c = machine.jump(transition)
         n, outputs = jump.n - 1, jump.m - 1
         speeds = np.zeros(n + outputs)
@@ -235,9 +259,10 @@ class EventIntegrator:
             passes=self._passed(transition.name, transition.target),
         )
 
-    def weigh(self, weights: np.ndarray) -> None:
-        """Put the typical magnitudes of the states in place, of full length."""
-        for name, (moving, own) in self._weighed.items():
+    def weigh(self, weights: np.ndarray, modes: Collection[str] | None = None) -> None:
+        """Put the typical magnitudes of the states in place, of full length; in all modes by default."""
+        for name in self._weighed if modes is None else modes:
+            moving, own = self._weighed[name]
             own[:] = weights[self.places[name].states]
             moving.weigh(own)
 

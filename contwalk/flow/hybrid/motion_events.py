@@ -20,8 +20,6 @@ from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import parts
 from contwalk.system import Transition
 
-# Modes and resets that the integrator does not know, after which it is made anew.
-MOST_MISSED = 4
 ROOM = 1000  # steps of a segment, after which compiled code comes back and goes on
 MOST_STEPS = 1_000_000  # of a motion
 ON_ITS_WAY, TIME_UP, TOO_MANY = "on_its_way", "time_up", "too_many_steps"
@@ -75,9 +73,8 @@ class MotionEvents:
         self._most_steps = most_steps
         # Jumps at instants of time are met segment by segment.
         self._compiles = control.method == METHOD and not machine.guards_jump_in_time
-        self._modes: dict[str, None] = {}  # in the order in which motions have come to them
-        self._applied: set[tuple[str, str]] = set()
-        self._missed = 0
+        self._applied: set[tuple[str, str]] = set()  # those that motions have come to
+        self._unlearned = False
         self._integrator: EventIntegrator | None = None
         self.status, self.steps = ON_ITS_WAY, 0
 
@@ -94,30 +91,24 @@ class MotionEvents:
 
     # -- by compiled code ----------------------------------------------------------------------------------
 
-    def _knowing(self, mode: str) -> EventIntegrator | None:
-        """The integrator if it knows a mode: it learns what motions come to, some modes and resets at a
-        time."""
-        if mode not in self._modes:
-            self._modes[mode] = None
-            self._missed += 1
-        if self._integrator is None or self._missed >= MOST_MISSED:
-            self._missed = 0
+    def _knowing(self, mode: str) -> EventIntegrator:
+        """The integrator, which learns the modes and resets that motions come to."""
+        weights = self._control.weights
+        if self._integrator is None:
             self._integrator = EventIntegrator(
-                self._machine,
-                self._control.weights,
-                list(self._modes),
-                room=ROOM,
-                applied=frozenset(self._applied),
-                paced=True,
+                self._machine, weights, [mode], room=ROOM, applied=self._applied, paced=True
             )
-        return self._integrator if mode in self._integrator.places else None
+        elif self._unlearned or mode not in self._integrator.places:
+            self._integrator.learn(self._machine, weights, [mode], self._applied)
+        self._unlearned = False
+        return self._integrator
 
     def _learn(self, transition: Transition) -> None:
         """Remember a transition that the integrator may not know."""
         key = transition.name, transition.source
         if key not in self._applied:
             self._applied.add(key)
-            self._missed += 1
+            self._unlearned = True
 
     def _compiled(self, integrator: EventIntegrator, t1: float) -> Iterator[tuple[str, float]]:
         """Events as long as compiled code is sure and knows them; `at` is where it no longer is."""
@@ -155,10 +146,7 @@ class MotionEvents:
             self.at = Standpoint(t, transition.target, after, name, noise)
             yield name, t
             self._learn(transition)
-            known = self._knowing(transition.target)
-            if known is None:
-                return
-            integrator = known
+            integrator = self._knowing(transition.target)
             self._begin(integrator)
 
     def _begin(self, integrator: EventIntegrator) -> None:
