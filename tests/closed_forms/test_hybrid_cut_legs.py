@@ -151,7 +151,7 @@ def forced() -> System:
 
 def cut(problem: HybridOrbit, z: np.ndarray, count: int) -> tuple[HybridOrbit, np.ndarray]:
     finer = problem.cut_into(count)
-    there = cutting.filled(problem, cutting.bare(problem, z), count, problem, z)
+    there = cutting.filled(problem, problem.bare(z), count, problem, z)
     return finer.adapted_to(there, finer.weighted(problem.mesh.magnitudes), problem.mesh.tolerance), there
 
 

@@ -132,7 +132,7 @@ def begun(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
         cuts = min(segments_of_growth(float(np.log(min(most, MOST_GROWTH)))), room(problem))
     if cuts <= problem.cuts:
         return problem, z
-    there = filled(problem, bare(problem, z), cuts, problem, z)
+    there = filled(problem, problem.bare(z), cuts, problem, z)
     finer = problem.cut_into(cuts)
     return finer.adapted_to(there, finer.weighted(problem.mesh.magnitudes)), there
 
@@ -210,14 +210,6 @@ def completed(bare: np.ndarray, inner: Sequence[np.ndarray]) -> np.ndarray:
     return np.concatenate([bare[:-1], *(block.ravel() for block in inner), bare[-1:]])
 
 
-def bare(problem: LimitedOrbit, vector: np.ndarray) -> np.ndarray:
-    """Unknowns, or a direction or weights of them, without those of inner segments.
-
-    The vector has the shape (N + 1,).
-    """
-    return np.append(vector[: problem.layout.rest.stop], vector[-1])
-
-
 def recut(problem: Kind, sample: Sample) -> tuple[Kind, Sample] | None:
     """The same solution on twice as many segments, corrected there; None where that does not converge.
 
@@ -226,7 +218,7 @@ def recut(problem: Kind, sample: Sample) -> tuple[Kind, Sample] | None:
     if sample.orientation == 0.0:
         return None
     cuts, z = 2 * problem.cuts, sample.z
-    there = filled(problem, bare(problem, z), cuts, problem, z)
+    there = filled(problem, problem.bare(z), cuts, problem, z)
     finer = problem.cut_into(cuts)
     # Each state's share of the metric stays what it is: the squares of all segments add up.
     share = np.sqrt(len(finer.layout.segments) / len(problem.layout.segments))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, Self
@@ -18,7 +18,6 @@ from contwalk.problems.hybrid import (
     condensed,
     cutting,
     end_maps,
-    equivalence,
     jumping_limits,
     lasting,
     least,
@@ -204,17 +203,6 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
         """Whether a solution is one that the machine can move on. z has the shape (N + 1,)."""
         return self.margins(z).admissible
 
-    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
-        """Number of the first of some states that the orbit of z passes, or begins a leg at.
-
-        z has the shape (N + 1,), each point (n,).
-        """
-        return equivalence.first_passed(self, z, points)
-
-    def same(self, a: Sample, b: Sample) -> bool:
-        """Whether two solutions at the same parameter are one orbit."""
-        return equivalence.same(self, a, b)
-
     def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray | None = None) -> bool:
         """Whether an orbit repeats itself, or is its own image, as its parent does.
 
@@ -272,21 +260,6 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
             If the motion from z ends before the closure does.
         """
         return remesh.adapted_to(self, z, weights, tolerance, section)
-
-    def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Self:
-        """The same problem, section included, on steps for located points.
-
-        z and weights have the shape (N + 1,).
-        """
-        there = self.adapted_to(z, weights, tolerance or self.discretization.marking)
-        return there.varied(section=self.section)
-
-    def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """A tangent moved along the flow into the section of an orbit without events.
-
-        All have the shape (N + 1,).
-        """
-        return remesh.into_section(self, z, tangent)
 
     # -- special points ----------------------------------------------------------------------------------
 

@@ -120,7 +120,7 @@ def divided(problem: Kind, z: np.ndarray, times: int) -> tuple[Kind, np.ndarray]
     """
     if problem.itinerary.eventful:
         return _beginning(problem, z, problem.layout.legs // times, times, problem.itinerary.image)
-    layout, whole, z = problem.layout, z, cutting.bare(problem, z)
+    layout, whole, z = problem.layout, z, problem.bare(z)
     ends = np.cumsum(z[layout.durations])
     at = float(ends[-1]) / times
     last = min(int(np.searchsorted(ends, at)), layout.legs - 1)

@@ -10,9 +10,9 @@ from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid import cutting, margin_values
 from contwalk.problems.hybrid.limited_orbit import Kind
-from contwalk.problems.hybrid.shooting import AT_REST, meshed, most_steps
+from contwalk.problems.hybrid.shooting import meshed, most_steps
 from contwalk.problems.orbit.discretization import STAGES
-from contwalk.problems.orbit.discretized_orbit import section_through
+from contwalk.problems.orbit.orbit_section import section_through
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.sample import Sample
@@ -113,20 +113,3 @@ def _corrected(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
     tangent = there.tangent(normal, sample.weights)
     again = problem.examine(z, tangent, sample.weights, there, sample.unstable)
     return problem, replace(again, iterations=sample.iterations)
-
-
-def into_section(orbit: Kind, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-    """A tangent moved along the flow into the section of an orbit without events.
-
-    All have the shape (N + 1,).
-    """
-    if orbit.itinerary.eventful or orbit.forced:
-        return tangent
-    assert orbit.section is not None
-    tangent, place, own = tangent.copy(), orbit.layout.states[0], orbit.velocity(z)
-    units = orbit.mesh.magnitudes[list(orbit.passages[0].states)]
-    if orbit.duration(z) * np.linalg.norm(own / units) <= AT_REST:
-        return tangent  # a cycle that is born there
-    shift = -float(orbit.section.normal @ tangent[place]) / float(orbit.section.normal @ own)
-    tangent[place] += shift * own
-    return tangent

@@ -59,7 +59,7 @@ class ClosureView:
     @computed_once
     def motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Times in seconds, shape (k,), and states, with the instants at which one is extreme."""
-        times, states = with_extrema(self.curve, *self.curve.sampled(SAMPLES))
+        times, states = with_extrema(self.curve.at, *self.curve.sampled(SAMPLES))
         return self.duration * times, states
 
     @computed_once

@@ -26,8 +26,8 @@ from contwalk.problems.orbit.layout import ClosureLayout, Layout
 from contwalk.problems.orbit.orbit_data import Further, OrbitData
 from contwalk.problems.orbit.passage import Passage, passage_of
 from contwalk.problems.orbit.piece import passed
-from contwalk.problems.orbit.section import Section, section_at
-from contwalk.problems.orbit.shooting import Mesh, velocity
+from contwalk.problems.orbit.section import Section
+from contwalk.problems.orbit.shooting import Mesh
 from contwalk.problems.orbit.solution import Curve, Solution
 from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
 from contwalk.problems.parameter_line import Ends
@@ -37,8 +37,6 @@ from contwalk.system import System, Transition
 PARTS = 2
 # Linearizations and motions that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
-# An orbit that would go a smaller part of its magnitudes in one closure is a point: it has no section.
-STILL = 1e-9
 
 Kind = TypeVar("Kind", bound="DiscretizedOrbit")
 
@@ -224,6 +222,10 @@ class DiscretizedOrbit(OrbitData):
             z[self.layout.start] = start
         return z
 
+    def bare(self, vector: np.ndarray) -> np.ndarray:
+        """Unknowns, or a direction or weights of them, (N + 1,), without those of inner segments of legs."""
+        return np.append(vector[: self.layout.rest.stop], vector[-1])
+
     def magnitudes_of(self, weights: np.ndarray) -> np.ndarray:
         """Typical magnitudes of all states, of weights of the unknowns; 1 for those of no leg.
 
@@ -294,19 +296,3 @@ def added_by_cuts(orbit: DiscretizedOrbit) -> int:
     """How many unknowns each further segment in all legs adds."""
     each = zip(orbit.itinerary.legs, orbit.layout.sizes, strict=True)
     return sum(n for leg, n in each if not leg.collapsed) + int(orbit.uneven)
-
-
-def section_through(
-    orbit: DiscretizedOrbit, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray
-) -> Section | None:
-    """The section through a state at which the first leg starts, across the flow there; of an orbit that is
-    a point, as at a Hopf point, the one it has. None where an event or a force fixes the phase.
-
-    x and magnitudes have the shape (n,).
-    """
-    if orbit.forced or orbit.itinerary.eventful:
-        return None
-    own = velocity(orbit.passages[0], x, 0.0, values)
-    if np.linalg.norm(own / magnitudes) <= STILL and orbit.section is not None:
-        return orbit.section
-    return section_at(x, own, magnitudes)

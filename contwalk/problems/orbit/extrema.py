@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.problems.orbit.solution import Curve
-
 # Samples of each step.
 PARTS = 4
 _SHARES = np.arange(PARTS) / PARTS
@@ -141,13 +139,15 @@ def _cubic(
     return va + s * (a + s * (3.0 * d - 2.0 * a - b + s * (a + b - 2.0 * d)))
 
 
-def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def with_extrema(
+    at: Callable[[np.ndarray], np.ndarray], times: np.ndarray, states: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Samples with the instants added at which each state is largest and smallest.
 
     What observables make of a motion is most often a largest value: without these instants it would be
     that of the nearest sample, and jump along a branch from one sample to the next.
 
-    Times have the shape (k,), states (k, n), before and after.
+    Times have the shape (k,), states (k, n), before and after; `at` has states at times in growing order.
     """
     indices = np.concatenate([states.argmax(axis=0), states.argmin(axis=0)])
     which = np.tile(np.arange(states.shape[1]), 2)
@@ -161,7 +161,7 @@ def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[n
         instants = np.clip(best[:, None] + width[:, None] * offsets, times[0], times[-1])
         order = np.argsort(instants, axis=None, kind="stable")
         found = np.empty((instants.size, states.shape[1]))
-        found[order] = curve.at(instants.ravel()[order])
+        found[order] = at(instants.ravel()[order])
         values = found.reshape(len(best), 3, -1)[np.arange(len(best)), :, which]
         bend = values[:, 0] - 2.0 * values[:, 1] + values[:, 2]
         slope = 0.5 * (values[:, 2] - values[:, 0])
@@ -171,4 +171,4 @@ def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[n
     best = np.sort(best)
     every = np.concatenate([times, best])
     order = np.argsort(every, kind="stable")
-    return every[order], np.concatenate([states, curve.at(best)])[order]
+    return every[order], np.concatenate([states, at(best)])[order]

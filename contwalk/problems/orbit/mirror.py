@@ -16,10 +16,11 @@ import numpy as np
 from contwalk import flow
 from contwalk.problems.images import Product, products
 from contwalk.problems.orbit.discretization import FINEST
-from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, section_through
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.mirror_of_orbits import Given, MirrorOfOrbits
+from contwalk.problems.orbit.orbit_section import section_through
 from contwalk.problems.orbit.sampling import measured_along
 from contwalk.problems.orbit.shooting import arrived, velocity
 from contwalk.problems.orbit.stored_discretizations import vectors_of

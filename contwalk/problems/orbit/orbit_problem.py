@@ -19,17 +19,19 @@ from contwalk.problems.orbit import (
     branching,
     describing,
     equations,
+    equivalence,
     monodromy,
     motion,
     rates,
     scales,
 )
 from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.extents import extent_of, sizes_since
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
-from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.orbit_section import into_section
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.orbit.slow_place import SlowPlace
@@ -71,9 +73,10 @@ class Switching(Protocol):
         """
 
 
-class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
+class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
     """The part of a problem of orbits that does not depend on how they are discretised."""
 
+    first_passed, same = equivalence.first_passed, equivalence.same
     location_tolerance = 1e-3  # solutions are solved for to a part of the tolerance only
     # Modules of what differs between kinds of orbits.
     observing: Observing
@@ -191,6 +194,12 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
         """What weights of the metric grow with, shape (N + 1,), on a branch that began elsewhere."""
         return sizes_since(self, sample, begun)
 
+    def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+        """A tangent moved along the flow until it lies in the section of an orbit without events: the same
+        change of the orbit. All have the shape (N + 1,).
+        """
+        return into_section(self, z, tangent)
+
     # -- what is told of it ------------------------------------------------------------------------------
 
     def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -226,13 +235,20 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
         problem: Self = self.adapted_to(z, weights)
         return problem
 
+    def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Self:
+        """The same problem, section included, on steps for located points.
+
+        z and weights have the shape (N + 1,).
+        """
+        there: Self = self.adapted_to(z, weights, tolerance or self.discretization.marking)
+        return there.varied(section=self.section)
+
     def finest(self, z: np.ndarray, weights: np.ndarray) -> Self:
         """The same problem on the finest steps that rounding allows.
 
         z and weights have the shape (N + 1,).
         """
-        problem: Self = self.refined(z, weights, FINEST)
-        return problem
+        return self.refined(z, weights, FINEST)
 
     def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
         """The special point of a kind near a sample, by its augmented system."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, Unpack
 
@@ -15,17 +15,15 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.kink import Kink
 from contwalk.problems.orbit import asymmetry, equations, monodromy, sampling, switching, termination
 from contwalk.problems.orbit.closure import closure_image
-from contwalk.problems.orbit.closure_view import SAMPLES, ClosureView
+from contwalk.problems.orbit.closure_view import ClosureView
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
 from contwalk.problems.orbit.discretization import STAGES
-from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, section_through
-from contwalk.problems.orbit.extrema import with_extrema
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
-from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
+from contwalk.problems.orbit.orbit_section import section_through
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
@@ -46,14 +44,9 @@ ROOM = 8
 POINT = 1e-10
 # A state that moves less than this part of what others do, in units of its size, tells no magnitude.
 CONSTANT = 1e-5
-# Two orbits whose periods and places differ by less than this part are one.
-ALIKE = 1e-6
-# In how many samples an orbit is compared with a state: few miss a fast piece of it, and an orbit that
-# comes this near, in units of its range, may pass it.
-SEEN_FROM, PERHAPS = (4 * SAMPLES, 64 * SAMPLES), 1e-2
 
 
-class PeriodicOrbit(DiscretizedOrbit, OrbitProblem):
+class PeriodicOrbit(OrbitProblem):
     """The problem S phi(x, T, p) = x with a phase condition, by multiple shooting.
 
     The unknowns are u = (x_0, ..., x_m-1, T, a): states at the starts of m segments of equal duration, the
@@ -259,25 +252,6 @@ class PeriodicOrbit(DiscretizedOrbit, OrbitProblem):
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
         return problem, replace(again, orientation=orientation)
 
-    def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """A tangent moved along the flow until it lies in the section: the same change of the orbit.
-
-        All have the shape (N + 1,).
-        """
-        if self.forced or not self.moves(z):
-            return tangent
-        assert self.section is not None
-        tangent, n, own = tangent.copy(), self.states, self.solution(z).velocities.ravel()
-        if self.reference_orbit is None:
-            normal = self.section.normal
-            shift = -float(normal @ tangent[:n]) / float(normal @ own[:n])
-        else:
-            row = np.zeros(len(z))
-            equations.phase(self, z, row)
-            shift = -float(row @ tangent) / float(row[: len(own)] @ own)
-        tangent[: len(own)] += shift * own
-        return tangent
-
     def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
         """The problem with a section through x_0 and steps for the orbit of z.
 
@@ -300,14 +274,6 @@ class PeriodicOrbit(DiscretizedOrbit, OrbitProblem):
         integral = self.discretization.phase == "integral" and not self.forced and problem.moves(z)
         problem.reference_orbit = problem._own_reference(z) if integral else None
         return problem
-
-    def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
-        """The same problem, section included, on steps for located points.
-
-        z and weights have the shape (N + 1,).
-        """
-        tolerance = tolerance or self.discretization.marking
-        return self.adapted_to(z, weights, tolerance).varied(section=self.section)
 
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
@@ -341,34 +307,6 @@ class PeriodicOrbit(DiscretizedOrbit, OrbitProblem):
     def mirror(self, sample: Sample) -> OrbitMirror | None:
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
         return mirror_of(self, sample)
-
-    # -- comparing ---------------------------------------------------------------------------------------
-
-    def same(self, a: Sample, b: Sample) -> bool:
-        """Whether two solutions at the same parameter are one orbit; `b` is on this discretisation."""
-        return (
-            abs(a.period - b.period) <= ALIKE * a.period
-            and self.first_passed(b.z, [a.z[: self.states]]) is not None
-        )
-
-    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
-        """Number of the first of some states that the orbit of z passes; None if it passes none.
-
-        z has the shape (N + 1,), each point (n,).
-        """
-        periods = np.array([s.period or 0.0 for s in self.system.states])
-        curve, p = self.curve(z), ParameterValues(**self.values_of(z))
-        for number in SEEN_FROM:
-            _, states = with_extrema(curve, *curve.sampled(number))
-            closures = range(self.itinerary.closures)
-            whole = np.concatenate(
-                [closure_image(self.system, self.itinerary, states, p, j) for j in closures]
-            )
-            apart = [distance(whole, x, periods, self.mesh.variation) for x in points]
-            passed = next((k for k, away in enumerate(apart) if away < 30.0 * ALIKE), None)
-            if passed is not None or min(apart, default=np.inf) > PERHAPS:
-                return passed
-        return None
 
 
 def _recut(orbit: PeriodicOrbit, sample: Sample) -> tuple[PeriodicOrbit, Sample]:

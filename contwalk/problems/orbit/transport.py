@@ -11,9 +11,10 @@ import numpy as np
 from contwalk import flow
 from contwalk.numerics.distinct import distinct
 from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, Kind, section_through
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.orbit_section import section_through
 from contwalk.problems.orbit.shooting import Mesh, arrived
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues

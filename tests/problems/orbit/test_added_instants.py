@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -18,7 +16,7 @@ def test_the_instants_of_extremes_are_added(top):
         return np.column_stack([np.cos(2.0 * np.pi * (times - top)), times])
 
     times = np.linspace(0.0, 1.0, 129)
-    found, states = with_extrema(SimpleNamespace(at=at), times, at(times))
+    found, states = with_extrema(at, times, at(times))
     assert np.all(np.diff(found) >= 0.0)
     assert set(times) <= set(found)
     np.testing.assert_array_equal(states, at(found))

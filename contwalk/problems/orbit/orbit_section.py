@@ -1,0 +1,67 @@
+"""The section that fixes the phase of an orbit without events, and tangents of branches in it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.problems.orbit import equations, monodromy
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.shooting import velocity
+
+# An orbit that would go a smaller part of its magnitudes in one closure is a point: it has no section.
+STILL = 1e-9
+
+
+def section_through(
+    orbit: DiscretizedOrbit, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray
+) -> Section | None:
+    """The section through a state at which the first leg starts, across the flow there; of an orbit that is
+    a point, as at a Hopf point, the one it has. None where an event or a force fixes the phase.
+
+    x and magnitudes have the shape (n,).
+    """
+    if orbit.forced or orbit.itinerary.eventful:
+        return None
+    own = velocity(orbit.passages[0], x, 0.0, values)
+    if np.linalg.norm(own / magnitudes) <= STILL and orbit.section is not None:
+        return orbit.section
+    return section_at(x, own, magnitudes)
+
+
+def into_section(orbit: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """A tangent moved along the flow until it lies in the section: the same change of the orbit.
+
+    Itself where an event or a force fixes the phase, and where the orbit is a point: a cycle that is born.
+
+    All have the shape (N + 1,).
+    """
+    if orbit.forced or orbit.itinerary.eventful or not orbit.moves(z):
+        return tangent
+    assert orbit.section is not None
+    place, later = orbit.layout.states[0], _begun_later(orbit, z)
+    if orbit.reference_orbit is None:
+        normal = orbit.section.normal
+        shift = -float(normal @ tangent[place]) / float(normal @ later[place])
+    else:
+        row = np.zeros(len(z))
+        equations.phase(orbit, z, row)
+        shift = -float(row @ tangent) / float(row @ later)
+    return tangent + shift * later
+
+
+def _begun_later(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+    """How the unknowns of an orbit change with the instant at which it begins. Both have the shape (N + 1,).
+
+    Where legs end with events, these stay where they are: the first leg becomes shorter, the last one longer.
+    """
+    change, layout = np.zeros(len(z)), orbit.layout
+    if orbit.in_closure:  # known of the motion already; in units of its duration
+        velocities = orbit.solution(z).velocities.ravel()
+        change[: len(velocities)] = velocities
+        return change
+    for j, segment in enumerate(layout.segments_of(0)):
+        change[segment.states] = monodromy.flow_direction(orbit, z, 0, j)
+    if layout.legs > 1:
+        change[layout.durations.start], change[layout.durations.stop - 1] = -1.0, 1.0
+    return change
