@@ -6,6 +6,7 @@ import numpy as np
 
 from contwalk.flow.compiled.addresses import address
 from contwalk.flow.compiled.call_record import CallRecord
+from contwalk.flow.compiled.compiled_field import CompiledField
 
 
 class CallMemory:
@@ -26,6 +27,19 @@ class CallMemory:
         """The address of an array of any shape, which lives as long as the call."""
         self._kept.append(array)
         return address(array)
+
+    def field(self, field: CompiledField, c: np.ndarray) -> dict[str, int]:
+        """What a record tells of a field with its Jacobian, and of the constants, shape (k,), that it has."""
+        return {
+            "rhs": field.rhs_address,
+            "jac": field.rhs_jac_address,
+            "n": field.n,
+            "rows": self.keep(field.row_ptr),
+            "columns": self.keep(field.col),
+            "entries": len(field.col),
+            "c": self.keep(c),
+            "constants": len(c),
+        }
 
     def give(self, **arrays: np.ndarray | None) -> None:
         """Put arrays where the kernel finds them: their addresses into fields of the record."""

@@ -62,14 +62,7 @@ class _Call(CallMemory):
         sn = max(s, finer) * n
         super().__init__(field)
         self.record = GaussCall(
-            rhs=field.rhs_address,
-            jac=field.rhs_jac_address,
-            n=n,
-            rows=self.keep(field.row_ptr),
-            columns=self.keep(field.col),
-            entries=entries,
-            c=self.keep(c),
-            constants=len(c),
+            **self.field(field, c),
             numbers=self.keep(_packed(s)),
             s=s,
             finer_numbers=self.keep(_packed(finer)) if finer else 0,

@@ -75,14 +75,7 @@ class _Call(CallMemory):
         pivot_size = (1 + modes) * n + pivots
         super().__init__(field)
         self.record = RadauCall(
-            rhs=field.rhs_address,
-            jac=field.rhs_jac_address,
-            n=n,
-            rows=self.keep(field.row_ptr),
-            columns=self.keep(field.col),
-            entries=entries,
-            c=self.keep(c),
-            constants=len(c),
+            **self.field(field, c),
             tableau=self.keep(numbers),
             numbers=len(numbers),
             s=s,

@@ -67,14 +67,8 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     ----------
     system : System
     itinerary : Itinerary
-    parameters : mapping
-        Values of all parameters.
-    free : str
-        Name of the free parameter, or `path`.
-    path : tuple of two mappings, optional
-    pins : sequence of Neutral
-    reference : ndarray, shape (n,), optional
-        State at which pins without a parameter hold their direction.
+    parameters, free, path, pins, reference
+        As for `Equilibrium`.
     subharmonic : int
         The whole orbit of a forced system lasts so many of its periods.
     discretization : Discretization
@@ -250,14 +244,9 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
         tolerance: float | None = None,
         section: Section | None = None,
     ) -> Self:
-        """The problem on steps for the orbit of z; an orbit that is a point yet tells no section of its own.
+        """The problem on steps for the orbit of z, as `remesh.adapted_to` has it, and raises `NotFinite`.
 
         z and weights have the shape (N + 1,).
-
-        Raises
-        ------
-        NotFinite
-            If the motion from z ends before the closure does.
         """
         return remesh.adapted_to(self, z, weights, tolerance, section)
 

@@ -157,11 +157,7 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         linearization: Linearization,
         before: int | None,
     ) -> Sample:
-        """Everything that is watched at a solution.
-
-        z, tangent and weights have the shape (N + 1,); `before` is how many eigenvalues were unstable at the
-        solution before, None at the first.
-        """
+        """As of an equilibrium, with what is watched along its curve. All have the shape (N + 1,)."""
         unit = unit_in(tangent, weights)
         with np.errstate(invalid="ignore"):  # where the borders do not fit nothing is told
             orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])

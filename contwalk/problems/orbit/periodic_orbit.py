@@ -57,16 +57,8 @@ class PeriodicOrbit(OrbitProblem):
     ----------
     system : System
         Its first mode's field is continued.
-    parameters : mapping
-        Values of all parameters.
-    free : str
-        Name of the free parameter, or `path`.
-    path : tuple of two mappings, optional
-        All parameters at its beginning and end, when `free` is `path`.
-    pins : sequence of Neutral
-        Neutral directions that are pinned along the branch.
-    reference : ndarray, shape (n,), optional
-        State at which pins without a parameter hold their direction.
+    parameters, free, path, pins, reference
+        As for `Equilibrium`.
     subharmonic : int
         The orbit of a forced system lasts so many of its periods.
     discretization : Discretization

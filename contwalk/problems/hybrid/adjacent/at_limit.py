@@ -9,11 +9,10 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid import limit_points, limits
 from contwalk.problems.hybrid.adjacent.collapse import collapsed, collapses
-from contwalk.problems.hybrid.adjacent.exchange import gone
+from contwalk.problems.hybrid.adjacent.exchange import gone, with_first
 from contwalk.problems.hybrid.adjacent.insertion import inserted
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrbit
 from contwalk.problems.hybrid.adjacent.removal import removed
-from contwalk.problems.hybrid.adjacent.skipped import with_first
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.switching import discretized, rotated
