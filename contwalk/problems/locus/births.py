@@ -1,4 +1,4 @@
-"""Curves of cycles that are born at special points of curves of equilibria.
+"""Curves of cycles that are born at special points of curves of equilibria: GH and HH.
 
 At a generalized Hopf point r' = r (mu + c1 r^2 + l2 r^4) with mu = c1 = 0: cycles of the amplitude r
 fold where c1 = -2 l2 r^2 and mu = l2 r^4 (Kuznetsov 2004, section 8.3). Beside the point, on the side of the
@@ -31,6 +31,10 @@ from contwalk.problems.problem import Seed
 ASIDE = (1e-2, 3e-3, 3e-2, 1e-3, 1e-1, 3e-4)
 # Of the amplitude that is expected, what is found is no cycle below this part, and another one above that.
 SMALLER, LARGER = 0.8, 1.25
+# At a double Hopf point: the amplitude of the first of two cycles, over the root of how far aside it is,
+AMPLITUDE = 0.3
+# and what the cycle with a torus is expected to be of that.
+LEAST, MOST = 0.1, 6.0
 
 
 def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
@@ -39,9 +43,8 @@ def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         return ()
     z, l2 = np.array(point.unknowns), float(point.coefficients["l2"])
     there = problem.at(z)
-    jacobian, known = there.linearize(z).jacobian, there.linearize(z).magnitudes
-    weights = np.where(np.isfinite(known) & (known > 0.0), known, 1.0)
-    tangent = kernel_direction(jacobian, weights)
+    weights = _sizes(there, z)
+    tangent = kernel_direction(there.linearize(z).jacobian, weights)
     for aside in ASIDE:
         for sign in (1.0, -1.0):
             try:
@@ -60,23 +63,12 @@ def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | 
 
     `origin` are the second and the first parameter at the generalized Hopf point, shape (2,).
     """
-    kappa, place = problem.kappa(z), problem.in_plane(z)
-    rate = cubic_rate(problem.plane, place, kappa) if kappa > 0.0 else 0.0
+    kappa, rate = problem.kappa(z), _cubic_rate(problem, z)
     if not rate * l2 < 0.0:
         return None
     amplitude = float(np.sqrt(-rate / (2.0 * l2)))
-    values, free = problem.values_of(z), (problem.free, str(problem.plane.second))
-    n, pins = problem.states, len(problem.pins)
-    record = SpecialPoint(
-        "HB",
-        0.0,
-        unknowns=(*z[: n + pins].tolist(), 0.0),
-        coefficients={"omega": kappa**0.5, "l1": rate / kappa**0.5, "crossing_rate": 1.0},
-    )
-    resting = Equilibrium(
-        problem.system, values, "path", whole_plane(values, free), problem.pins, z[:n], problem.discretization
-    )
-    (seed,) = from_hopf(resting, record)
+    values, free, n = problem.values_of(z), (problem.free, str(problem.plane.second)), problem.states
+    seed = _cycles(problem, z, kappa, rate)
     assert seed.tangent is not None
     orbit: Any = seed.problem
     swing = 2.0 * amplitude * seed.tangent[:-1]  # the critical vector has the length one
@@ -96,3 +88,127 @@ def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | 
     away = kernel_direction(curve.linearize(solved).jacobian, weights)
     away = away * (np.sign(float((away / weights**2)[-2:] @ (solved[-2:] - origin))) or 1.0)
     return Seed("LP", solved, away, None, curve, one_sided=True)
+
+
+def tori_of_cycles(problem: Any, z: np.ndarray) -> Sequence[Seed]:
+    """The curve of tori of the cycles of a curve of Hopf points that is born at a double Hopf point.
+
+    That curve's unknowns there are z, shape (N + 1,). With amplitudes r and s of both pairs
+    s' = s (nu + p r^2): beside the point, where nu and p have other signs, the cycle of the amplitude
+    r^2 = -nu / p has a torus (Kuznetsov 2004, section 8.6). Both numbers are read from the multipliers of two
+    cycles. None where none is found.
+    """
+    if problem.system.acting:
+        return ()
+    there = problem.at(z)
+    weights = _sizes(there, z)
+    tangent = kernel_direction(there.linearize(z).jacobian, weights)
+    for aside in ASIDE:
+        for sign in (1.0, -1.0):
+            try:
+                guess = z + sign * aside * tangent
+                beside = newton_on(there, guess, weights, tangent / weights**2)
+                found = _torus(problem, beside, AMPLITUDE * aside**0.5, z[-2:])
+            except (ContwalkError, np.linalg.LinAlgError):
+                continue
+            if found is not None:
+                return [found]
+    return ()
+
+
+def _torus(problem: Any, z: np.ndarray, r: float, origin: np.ndarray) -> Seed | None:
+    """The torus of the cycles that are born at a Hopf point at z, shape (N + 1,) of its curve.
+
+    `r` is the amplitude of the first of two cycles, in the metric, `origin` the second and the first
+    parameter at the double Hopf point, shape (2,).
+    """
+    values, free = problem.values_of(z), (problem.free, str(problem.plane.second))
+    typical = np.array([max(abs(values[name]), 1e-2) for name in reversed(free)])
+    seed = _cycles(problem, z, problem.kappa(z), _cubic_rate(problem, z))
+    assert seed.tangent is not None
+    born: Any = seed.problem
+    place = np.concatenate([seed.z[:-1], [values[free[1]], values[free[0]]]])
+    # The cycles on a line across the curve of Hopf points: along it none grows.
+    along = kernel_direction(problem.at(z).linearize(z).jacobian, _sizes(problem.at(z), z))[-2:] / typical
+    across = np.array([along[1], -along[0]]) / np.linalg.norm(along) * typical
+    orbit = OrbitPlane(born, free).on_tangent(place, across)
+    rest = np.append(seed.z[:-1], 0.0)
+    sizes = np.append(filled_magnitudes(orbit, rest)[:-1], 1.0)
+    swing = seed.tangent / np.linalg.norm(seed.tangent / sizes)
+    normal = swing / sizes**2
+
+    def cycle(amplitude: float) -> np.ndarray:
+        return newton_on(orbit, rest + amplitude * swing, sizes, normal)
+
+    growth = [float(np.log(abs(_turning(orbit, cycle(s))))) for s in (r, 2.0 * r)]
+    p = (growth[1] - growth[0]) / (3.0 * r**2)
+    nu = growth[0] - p * r**2
+    if not p * nu < 0.0 or not LEAST * r < (expected := float(np.sqrt(-nu / p))) < MOST * r:
+        return None
+    guess = cycle(expected)
+    multiplier = _turning(orbit, guess)
+    made = orbit.finely(guess)
+    cosine = multiplier.real / abs(multiplier)
+    near = np.concatenate([guess[:-1], [cosine], place[-2:] + guess[-1] * across])
+    weights = np.concatenate([filled_magnitudes(made, guess)[:-1], [1.0], typical])
+    curve = OrbitLocus(OrbitPlane(made, free), CURVES["NS"], (near, weights))
+    held = np.concatenate([swing[:-1], np.zeros(3)]) / weights**2
+    solved = newton_on(curve, near, weights, held)  # type: ignore[arg-type]
+    amplitude = float(held[:-3] @ (solved[:-3] - rest[:-1])) / float(held[:-3] @ swing[:-1])
+    if not SMALLER * expected < amplitude < LARGER * expected:
+        return None
+    away = kernel_direction(curve.linearize(solved).jacobian, weights)
+    away = away * (np.sign(float((away / weights**2)[-2:] @ (solved[-2:] - origin))) or 1.0)
+    return Seed("NS", solved, away, None, curve, one_sided=True)
+
+
+def _sizes(problem: Any, z: np.ndarray) -> np.ndarray:
+    """Typical magnitudes of z, one where nothing tells, shape (N + 1,)."""
+    known = problem.linearize(z).magnitudes
+    return np.where(np.isfinite(known) & (known > 0.0), known, 1.0)
+
+
+def _turning(orbit: Any, z: np.ndarray) -> complex:
+    """The complex multiplier nearest to the unit circle.
+
+    z has the shape (N + 1,).
+
+    Raises
+    ------
+    LinAlgError
+        If there is none.
+    """
+    found = orbit.multipliers(z, orbit.jacobian(z)).values
+    turning = [complex(value) for value in found if value.imag > 0.0]
+    if not turning:
+        raise np.linalg.LinAlgError("No pair of multipliers is complex.")
+    return min(turning, key=lambda value: abs(abs(value) - 1.0))
+
+
+def _cubic_rate(problem: Any, z: np.ndarray) -> float:
+    """How the growth of a cycle's amplitude changes with its square; zero of neutral saddles.
+
+    z has the shape (N + 1,).
+    """
+    kappa = problem.kappa(z)
+    return cubic_rate(problem.plane, problem.in_plane(z), kappa) if kappa > 0.0 else 0.0
+
+
+def _cycles(problem: Any, z: np.ndarray, kappa: float, rate: float) -> Seed:
+    """The cycles that are born at a Hopf point at z, shape (N + 1,) of its curve, along the plane.
+
+    `kappa` is the square of the frequency, `rate` as of `_cubic_rate`.
+    """
+    values, free = problem.values_of(z), (problem.free, str(problem.plane.second))
+    n, pins = problem.states, len(problem.pins)
+    record = SpecialPoint(
+        "HB",
+        0.0,
+        unknowns=(*z[: n + pins].tolist(), 0.0),
+        coefficients={"omega": kappa**0.5, "l1": rate / kappa**0.5, "crossing_rate": 1.0},
+    )
+    resting = Equilibrium(
+        problem.system, values, "path", whole_plane(values, free), problem.pins, z[:n], problem.discretization
+    )
+    (seed,) = from_hopf(resting, record)
+    return seed

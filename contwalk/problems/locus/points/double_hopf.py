@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -35,10 +36,14 @@ class DoubleHopf(LocusPoint):
         return located_by(problem, Augmented(plane, pairs), sample, kappas, positive=True)
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The other curve of Hopf points."""
-        own = problem.kappa(np.array(point.unknowns))
+        """The other curve of Hopf points, and the curves of tori of the cycles of both."""
+        births: Any = import_module("contwalk.problems.locus.births")  # compiled flows, where they are wanted
+        z = np.array(point.unknowns)
         kappas = [float(point.coefficients[name]) ** 2 for name in ("omega_1", "omega_2")]
-        return born(problem, point, HOPF_POINTS, max(kappas, key=lambda kappa: abs(kappa - own)))
+        second = max(kappas, key=lambda kappa: abs(kappa - problem.kappa(z)))
+        both = [(problem, z), problem.other(HOPF_POINTS, z, second)]
+        tori = [seed for own in both for seed in births.tori_of_cycles(*own)]
+        return [*born(problem, point, HOPF_POINTS, second), *tori]
 
     def critical(self, point: SpecialPoint, sample: Sample) -> complex:
         """i omega of the pair that the curve does not hold."""
