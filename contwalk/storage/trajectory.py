@@ -322,7 +322,9 @@ def _read(path: str | Path, form: str, take: Callable[[h5py.File], Any]) -> Any:
             "Read it with the newer contwalk that wrote it: pip install --upgrade contwalk",
         )
     what, command = form.removeprefix("contwalk "), _COMMANDS[form]
+    other = stated.decode(errors="replace") if isinstance(stated, bytes) else stated
+    found = {None: "it is an HDF5 file of another program", "contwalk": "it is a database of branches"}
     raise DatabaseError(
-        f"{path} holds no {what}: it is {stated or 'an HDF5 file of another program'}.",
+        f"{path} holds no {what}: {found.get(other, f'it is {other}')}.",
         f"Name a file that contwalk {command} has written.",
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.errors import ContwalkError, StartError
+from contwalk.studies.margins.conserved import changed_quantities
 from contwalk.studies.margins.directions import (
     drawn_directions,
     existing,
@@ -67,6 +68,12 @@ def study_of(run: MarginsFile) -> tuple[Study, list[ModeDirections], list[str]]:
         if wanted.modes:
             with _located(run, "modes"):
                 modes = mode_directions(system, branch, point, solution, wanted.modes)
+    if wanted.basin is not None and wanted.basin.instant >= len(solution.instants):
+        raise run.refusal(
+            ("margins", "basin", "instant"),
+            f"is {wanted.basin.instant}, and an equilibrium is the same at all instants.",
+            "Leave it out.",
+        )
     for name, value in run.parameters.items():
         if solution.parameters[name] != value:
             raise run.refusal(
@@ -194,7 +201,31 @@ def rays_of(
             rays += [Ray(len(rays) + k, number, name, sign, push, unit) for k, sign in enumerate((1, -1))]
     if not rays and wanted.basin is None:
         raise ContwalkError("No state is left to be pushed.", " ".join(notes))
-    return rays, notes
+    return rays, notes + _never_forgotten(run, study, rays)
+
+
+def _never_forgotten(run: MarginsFile, study: Study, rays: Sequence[Ray]) -> list[str]:
+    """Sentences where pushes change what is conserved."""
+    system, solution, basin, notes = run.system, study.solution, run.margins.basin, []
+    pushes = [(solution.instants[ray.instant], ray.unit * np.array(ray.vector)) for ray in rays]
+    changed = changed_quantities(system, solution, pushes)
+    if changed:
+        near = f", within {study.rule.returns:g} of it" if study.rule.returns is not None else ""
+        notes.append(
+            f"Pushes change what the machine conserves ({', '.join(changed)}), and that is never forgotten: "
+            f"what survives stays beside the solution{near}, and does not come back to it. Push along a "
+            "level with directions to ask what comes back."
+        )
+    if basin is not None:
+        instant, names = solution.instants[basin.instant], system.state_names
+        plane = [solution.magnitudes * state_direction(names, name) for name in basin.states]
+        changed = changed_quantities(system, solution, [(instant, push) for push in plane])
+        if changed:
+            notes.append(
+                f"Motions of the basin keep {', '.join(changed)} as they begin, and so come to solutions of "
+                "their own, which are new ones: the plane shows where they end, and no basin of one of them."
+            )
+    return notes
 
 
 def check_unpushed(study: Study) -> None:

@@ -338,6 +338,7 @@ def test_what_is_unstable_is_refused(contwalk, folder):
         ("margins.basin={states: {x: [1, 0], v: [0, 1]}}", "basin.states.x", "is [1, 0]. Give"),
         ("margins.basin={states: {x: [0, 1], y: [0, 1]}}", "basin.states.y", "not a state"),
         ("margins.basin={states: {x: [0, 1], v: [0, 1]}, instant: 5}", "basin.instant", "there are 5"),
+        ("margins.basin={states: {x: [0, 1], v: [0, 1]}, instant: 2}", "basin.instant", "at all instants"),
         ("margins.modes=3", "modes", "there are 2 eigenvalues"),
         ("margins.scan=-1", "scan", "a whole number from 0 up"),
         ("margins.farthest=0", "farthest", "a positive number"),
@@ -405,7 +406,7 @@ def test_margins_are_drawn_from_their_file_as_by_the_study(contwalk, oscillator)
     for given, said in (
         (("oscillator_margins.h5", "--branch", "b1"), "Margins have no branches."),
         (("oscillator_margins.h5", "-x", "x"), "has no -x and -y"),
-        (("oscillator.h5", "--kind", "margins"), "holds no margins"),
+        (("oscillator.h5", "--kind", "margins"), "holds no margins: it is a database of branches."),
     ):
         refused = contwalk("plot", *given, "-o", "other.png")
         assert refused.code == 2

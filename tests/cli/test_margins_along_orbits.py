@@ -83,3 +83,49 @@ def test_the_parts_of_the_mode_belong_together(shaken):
         (x_re, v_re), (x_im, v_im) = parts["mode1_re"], parts["mode1_im"]
         share = OMEGA * x_re / (v_im + ZETA * x_im)
         assert v_re == pytest.approx(-ZETA * x_re - OMEGA * share * x_im, abs=1e-7)
+
+
+PENDULUM = """\
+import math
+from contwalk.system import Conserved, Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = -p.g * math.sin(x[0])
+
+def energy(t, x, p):
+    return 0.5 * x[1] ** 2 - p.g * math.cos(x[0])
+
+SYSTEM = System(
+    "pendulum",
+    states=(State("q"), State("w")),
+    parameters=(Parameter("g", 1.0),),
+    modes=(Mode("swings", field),),
+    conserved=(Conserved("energy", energy),),
+)
+"""
+SWINGS = """\
+system: ./pendulum.py
+start: {simulate: {state: {q: 1.0, w: 0.0}}}
+continue: {parameter: energy, range: [-0.6, -0.3], max_points: 2, direction: up}
+margins:
+  of: {from: swings.h5, point: b1/0}
+  survive: {periods: 2}
+  states: [q]
+  instants: 1
+  scan: 0
+  accuracy: 0.1
+  basin: {states: {q: [-0.5, 0.5], w: [-0.5, 0.5]}, cells: 1, levels: 0}
+output: swings.h5
+"""
+
+
+def test_what_is_conserved_is_told_not_to_be_forgotten(contwalk, folder):
+    (folder / "pendulum.py").write_text(PENDULUM, encoding="utf-8")
+    (folder / "swings.yaml").write_text(SWINGS, encoding="utf-8")
+    assert contwalk("continue", "swings.yaml", "--no-figures").code == 0
+    done = contwalk("margins", "swings.yaml", "--no-figures")
+    assert done.code == 0
+    said = " ".join(done.out.split())
+    assert "Pushes change what the machine conserves (energy), and that is never forgotten" in said
+    assert "Motions of the basin keep energy as they begin" in said
