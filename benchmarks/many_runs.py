@@ -2,12 +2,15 @@
 
     python benchmarks/many_runs.py same [margins] [sample] [sweep] [starts]
     python benchmarks/many_runs.py overhead
+    python benchmarks/many_runs.py wall [runs/walker3d_overlap.yaml] [margins.states=[q5,u1,u3] ...]
 
 `same`: --jobs 1, 2 and 4, and dask clusters of 2 and 3 processes of which one is killed, for four studies:
 margins of an oscillator beside a wall, motions drawn at random, the lines of a sweep, a diagram with several
 starts. A worker is killed when the second task is sent, or the second result has come. Compared is everything
 that is stored but for the hour and the seconds that it took. `overhead`: seconds to begin and milliseconds a
-task beside its work, in two processes and on a cluster of two.
+task beside its work, in two processes and on a cluster of two. `wall`: wall time and processor time of the
+margins that a run file asks for, by --jobs 1 and 2; for the wall time the machine must have nothing else to
+do.
 
 The clusters need `pip install 'contwalk[distributed]'`.
 """
@@ -17,6 +20,8 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import resource
+import subprocess
 import sys
 import tempfile
 import time
@@ -37,6 +42,7 @@ from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.run_file.sample import read_sampling
 from contwalk.workflow.runner import run
 
+ROOT = Path(__file__).parents[1]
 PLUGIN = """
 import math
 from contwalk.system import Mode, Observable, Parameter, Start, State, System
@@ -222,22 +228,52 @@ def _timed(name: str, runs: Runs[Any, float, float], workers: int) -> None:
         )
 
 
+def wall(given: list[str]) -> int:
+    """Print what the margins of a run file take by one process and by two."""
+    source, *changes = given or [str(ROOT / "runs" / "walker3d_overlap.yaml")]
+    file = Path(source).name
+    Path(file).write_text((ROOT / source).read_text(encoding="utf-8"), encoding="utf-8")
+    contwalk = [sys.executable, "-c", "from contwalk.cli.entry import main; main()"]
+    more = [word for change in changes for word in ("--set", change)]
+    subprocess.run([*contwalk, "continue", file, "--no-figures", "--quiet"], check=True)
+    alone = 0.0
+    for jobs in (1, 2):
+        begun, used = time.perf_counter(), _of_children()
+        how = ["--jobs", str(jobs), "--no-figures", "--quiet", "--force"]
+        subprocess.run([*contwalk, "margins", file, *more, *how], check=True)
+        taken, used = time.perf_counter() - begun, _of_children() - used
+        alone = alone or taken
+        print(
+            f"--jobs {jobs}: {taken:.1f} s, {taken / alone:.3f} of one's; {used:.1f} s of processor time",
+            flush=True,
+        )
+    return 0
+
+
+def _of_children() -> float:
+    """Processor time of the processes that have ended, with those that they have waited for."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def main() -> int:
     """Run what is asked for in a folder of its own."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("what", choices=("same", "overhead"))
-    parser.add_argument("studies", nargs="*", default=list(STUDIES), metavar="study", help=", ".join(STUDIES))
+    parser.add_argument("what", choices=("same", "overhead", "wall"))
+    parser.add_argument("studies", nargs="*", metavar="study", help=f"{', '.join(STUDIES)}; or a run file")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        if given.what == "wall":
+            return wall(given.studies)
         Path("beside_a_wall.py").write_text(PLUGIN, encoding="utf-8")
         for name, text in FILES.items():
             Path(name).write_text(text, encoding="utf-8")
         if given.what == "overhead":
             return overhead()
         run(read_run_file("rest.yaml", (), "rest.h5"), figures=False)
-        return same(given.studies)
+        return same(given.studies or list(STUDIES))
 
 
 if __name__ == "__main__":
