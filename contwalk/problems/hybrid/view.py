@@ -78,14 +78,14 @@ class LegView:
         return np.concatenate([*(part[:-1] for part in parts), parts[-1][-1:]])
 
     @computed_once
-    def _values(self) -> np.ndarray:
-        """What the leg's functions depend on."""
+    def values(self) -> np.ndarray:
+        """What the leg's functions depend on, shape (q,)."""
         return self.piece.values(self.scalars)
 
     @computed_once
     def constants(self) -> np.ndarray:
         """What its field takes from them. Shape (c,)."""
-        return self.piece.passage.field(PLAIN).constants(self._values)
+        return self.piece.passage.field(PLAIN).constants(self.values)
 
     @computed_once
     def times(self) -> np.ndarray:
@@ -200,8 +200,8 @@ class LegView:
             guards = passage.guards()
         except UnsupportedOperation:  # together they compare too often; each alone does not
             each = [passage.watched(t.name, t.guard) for t in passage.leaving]
-            return np.hstack([map_.along(times, states, self._values, rates) for map_ in each])
-        return guards.along(times, states, self._values, rates)
+            return np.hstack([map_.along(times, states, self.values, rates) for map_ in each])
+        return guards.along(times, states, self.values, rates)
 
     def _inside(self, times: np.ndarray) -> np.ndarray:
         """Instants in 0..1, the ends moved inside by roundings: a sawtooth of the time may begin anew."""
@@ -247,7 +247,7 @@ class LegView:
     @computed_once
     def conditions(self) -> dict[str, float]:
         """Values of the conditions at the leg's transition, by name."""
-        passage, values = self.piece.passage, self._values
+        passage, values = self.piece.passage, self.values
         if not passage.conditions:
             return {}
         try:
@@ -261,7 +261,7 @@ class LegView:
         """A guard at the steps, shape (s + 1,)."""
         watched, nodes = self.piece.passage.watched(transition.name, transition.guard), self.nodes
         at_rest = np.zeros_like(nodes)  # its rate is not asked for, nor are theirs
-        return watched.along(self.piece.steps, nodes, self._values, at_rest)[:, 0]
+        return watched.along(self.piece.steps, nodes, self.values, at_rest)[:, 0]
 
     @computed_once
     def motion(self) -> tuple[np.ndarray, np.ndarray]:
@@ -302,7 +302,7 @@ class LegView:
 
     def course(self) -> list[Course]:
         """The leg as it is looked at for kinks of its field, where it may have any and lasts."""
-        passage, values = self.piece.passage, self._values
+        passage, values = self.piece.passage, self.values
         if passage.switching is None or not self.duration > 0.0:
             return []
         course = passage.course(values, self.times, self.states, self.at)

@@ -34,12 +34,12 @@ class ClosureView:
     start = 0.0
 
     def __init__(self, piece: Piece, curve: Curve, values: np.ndarray, duration: float) -> None:
-        self.piece, self.curve, self.duration, self._values = piece, curve, duration, values
+        self.piece, self.curve, self.duration, self.values = piece, curve, duration, values
 
     @computed_once
     def constants(self) -> np.ndarray:
         """What its field takes from them. Shape (c,)."""
-        return self.piece.passage.field(PLAIN).constants(self._values)
+        return self.piece.passage.field(PLAIN).constants(self.values)
 
     @property
     def x(self) -> np.ndarray:
@@ -80,7 +80,7 @@ class ClosureView:
         passage = self.piece.passage
         if passage.switching is None:
             return []
-        course = passage.course(self._values, *self.curve.sampled(SAMPLES), self.curve.at)
+        course = passage.course(self.values, *self.curve.sampled(SAMPLES), self.curve.at)
         return [] if course is None else [course]
 
     def full(self, x: np.ndarray) -> np.ndarray:

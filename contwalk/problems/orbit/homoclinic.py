@@ -200,8 +200,19 @@ def _laws(
         found += _laws_of(place, rest, samples, slopes, eventful)
     if places and not passes:
         limit, obeyed = _gone(places[0], samples, slopes)
-        found += [_Law(limit, obeyed, "where an equilibrium has gone")] if limit is not None else []
+        if limit is not None and _meet(places[0], samples[1], limit):
+            found.append(_Law(limit, obeyed, "where an equilibrium has gone"))
     return found
+
+
+def _meet(place: SlowPlace, sample: Sample, limit: Limit) -> bool:
+    """Whether two equilibria meet at the limit, where the orbit is slow: else it was never one that has gone,
+    and the parameter stands still for another reason, as along a canard.
+    """
+    value = float(sample.z[-1])
+    there = place.meeting(value, float(sample.weights[-1]))
+    allowed = ABOUT * limit.error + LAWFUL * abs(limit.rest)
+    return there is not None and abs(there - value - limit.rest) <= allowed
 
 
 def _laws_of(

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.problems.orbit.extrema import extremes_of
-from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
 from contwalk.problems.orbit.undefined import refusal
@@ -49,8 +48,6 @@ def slow_places(orbit: OrbitData, z: np.ndarray) -> list[SlowPlace]:
         passage = view.piece.passage
         own = list(passage.states)
         scale, names = orbit.mesh.variation[own], tuple(orbit.system.state_names[k] for k in own)
-        places += slow_places_on(
-            passage.field(PLAIN), view.constants, abs(view.duration), times, path, scale, names
-        )
+        places += slow_places_on(passage, view.values, abs(view.duration), times, path, scale, names)
     fastest = max((place.fastest for place in places), default=0.0)
     return sorted((replace(place, fastest=fastest) for place in places), key=lambda place: place.speed)

@@ -7,12 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.flow import CompiledField
+from contwalk.problems.orbit.lifts import PLAIN, TANGENT
+from contwalk.problems.orbit.passage import Passage
 
 # Samples of an orbit among which its slowest place is looked for, beside the integrator's own steps.
 AROUND = 256
 # Newton's method for an equilibrium.
 ITERATIONS, CONVERGED = 20, 1e-9
+# What is left of the least speed where a state stands still.
+STANDING = 1e-3
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,9 @@ class SlowPlace:
         The states around it on the orbit.
     velocity, jacobian : callable
         The field in seconds, shape (k,), and its derivative, shape (k, k).
+    family : callable
+        The field at a state and a value of the free parameter, shape (k,), and its derivatives by both, shape
+        (k, k + 1).
     """
 
     names: tuple[str, ...]
@@ -41,6 +47,7 @@ class SlowPlace:
     path: np.ndarray
     velocity: Callable[[np.ndarray], np.ndarray]
     jacobian: Callable[[np.ndarray], np.ndarray]
+    family: Callable[[np.ndarray, float], tuple[np.ndarray, np.ndarray]]
 
     @property
     def slowness(self) -> float:
@@ -67,14 +74,38 @@ class SlowPlace:
                 return None
         return None
 
+    def meeting(self, value: float, size: float) -> float | None:
+        """The value of the free parameter, near one, at which two equilibria meet where the orbit is slowest;
+        None where there is none.
+
+        The nearest point of the curve of equilibria in state and parameter (Gauss-Newton, the parameter in
+        units of `size`): just beside a saddle-node no move of the state brings the field nearer to zero, so
+        the parameter makes it, up to the square of how far it is.
+        """
+        x, units = np.append(self.state, value), np.append(self.scale, size)
+        for _ in range(ITERATIONS):
+            f, j = self.family(x[:-1], float(x[-1]))
+            if not (np.all(np.isfinite(f)) and np.all(np.isfinite(j))):
+                return None
+            step = np.linalg.lstsq(j * units / self.scale[:, None], f / self.scale, rcond=1e-12)[0]
+            x = x - step * units
+            length = float(np.linalg.norm(step))
+            if length < CONVERGED:
+                left = float(np.linalg.norm(self.family(x[:-1], float(x[-1]))[0] / self.scale))
+                at_rest = left <= STANDING * self.speed and self.distance(x[:-1]) < 1.0
+                return float(x[-1]) if at_rest else None
+            if length > 2.0:
+                return None
+        return None
+
     def distance(self, x: np.ndarray) -> float:
         """Of a state from the orbit, in units of its range. x has the shape (k,)."""
         return float(np.linalg.norm((self.path - x) / self.scale, axis=1).min())
 
 
 def slow_places_on(
-    field: CompiledField,
-    c: np.ndarray,
+    passage: Passage,
+    values: np.ndarray,
     duration: float,
     times: np.ndarray,
     path: np.ndarray,
@@ -83,14 +114,26 @@ def slow_places_on(
 ) -> list[SlowPlace]:
     """The places on a path where its speed is least, the slowest first.
 
-    The path's field is in units of a duration, at times in 0..1.
+    The passage's field is in units of a duration, at times in 0..1; `values` are what it depends on, its
+    scalars first.
 
     `scale` has the shape (k,), times (s,), the path (s, k).
     """
-    n = len(scale)
+    n, field = len(scale), passage.field(PLAIN)
+    c = field.constants(values)
     speeds = np.linalg.norm(field.along(times, path, c) / scale, axis=1) / duration
     around = np.concatenate([[np.inf], speeds, [np.inf]])
     least = np.flatnonzero((speeds <= around[:-2]) & (speeds < around[2:]))
+
+    def family(x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
+        # The free parameter is the last of the scalars.
+        free = np.eye(len(passage.columns))[-1]
+        there = np.where(np.append(free, np.zeros(len(values) - len(free))), value, values)
+        tangent = passage.field(TANGENT)
+        moved = tangent(0.0, np.append(x, np.zeros(n)), tangent.constants(np.append(there, free)))
+        by_state = field.jacobian(0.0, x, field.constants(there))[:, :n]
+        return moved[:n] / duration, np.column_stack([by_state, moved[n:]]) / duration
+
     return [
         SlowPlace(
             names,
@@ -101,6 +144,7 @@ def slow_places_on(
             path,
             lambda x: field(0.0, x, c) / duration,
             lambda x: field.jacobian(0.0, x, c)[:, :n] / duration,
+            family,
         )
         for k in least[np.argsort(speeds[least], kind="stable")]
     ]

@@ -38,6 +38,11 @@ class View(Protocol):
         ...
 
     @property
+    def values(self) -> np.ndarray:
+        """What its functions depend on, shape (q,): its scalars, the free parameter last, and fixed ones."""
+        ...
+
+    @property
     def constants(self) -> np.ndarray:
         """What its field takes from scalars and fixed parameters. Shape (c,)."""
         ...

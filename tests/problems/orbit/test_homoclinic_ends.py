@@ -1,6 +1,7 @@
 """Homoclinic ends: what is one, what is a fold, and what the limit's error claims."""
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -108,7 +109,7 @@ def samples(law, *periods):
     """Two neighbouring orbits of a law lambda(T), and the slopes that their tangents tell."""
     step = 1e-6
     slopes = np.array([(law(t + step) - law(t - step)) / (2.0 * step) for t in periods])
-    return tuple(SimpleNamespace(period=t, z=np.array([law(t)])) for t in periods), slopes
+    return tuple(SimpleNamespace(weights=np.ones(1), period=t, z=np.array([law(t)])) for t in periods), slopes
 
 
 def test_the_law_of_a_saddle():
@@ -142,8 +143,37 @@ AT = {"z": np.array([2.0]), "weights": np.array([2.0])}
 def place(speed):
     """A slow place with a speed, and nothing else."""
     return SlowPlace(
-        ("x",), speed, 1.0, np.zeros(1), np.ones(1), np.zeros((1, 1)), lambda x: x, lambda x: np.eye(1)
+        ("x",),
+        speed,
+        1.0,
+        np.zeros(1),
+        np.ones(1),
+        np.zeros((1, 1)),
+        lambda x: x,
+        lambda x: np.eye(1),
+        lambda x, value: (x, np.eye(1, 2)),
     )
+
+
+def bottleneck(state, value):
+    """The slowest place of orbits through x' = lambda + x^2, y' = -y: equilibria meet at (0, 0, 0)."""
+
+    def family(x, at):
+        return np.array([at + x[0] ** 2, -x[1]]), np.array([[2.0 * x[0], 0.0, 1.0], [0.0, -1.0, 0.0]])
+
+    speed = float(np.linalg.norm(family(state, value)[0]))
+    fixed = lambda x: family(x, value)[0], lambda x: family(x, value)[1][:, :2]
+    return SlowPlace(("x", "y"), speed, 1.0, state, np.ones(2), state[None, :], *fixed, family)
+
+
+def test_the_parameter_at_which_equilibria_meet_is_told_where_an_orbit_is_slow():
+    for value in (1e-4, 1e-6):
+        near = bottleneck(np.array([0.3 * value, 1e-3 * value]), value)
+        assert near.meeting(value, 1.0) == pytest.approx(0.0, abs=value**2)
+    # Slow along a line of equilibria of a faster state, as a canard is: the parameter there tells nothing.
+    slope = np.array([[0.0, 0.0, 0.0], [1.0, -1.0, 0.0]])
+    line = replace(near, speed=1e-3, family=lambda x, at: (np.array([1e-3, x[0] - x[1]]), slope))
+    assert line.meeting(1e-6, 1.0) is None
 
 
 def test_the_law_of_a_saddle_node_that_has_gone():
@@ -230,7 +260,15 @@ def test_an_orbit_that_does_not_come_nearer_is_on_no_way_to_a_saddle():
     def at(distance):
         state = np.array([0.0, distance])
         return SlowPlace(
-            ("x", "y"), 1e-4, 1.0, state, np.ones(2), state[None], lambda x: saddle @ x, lambda x: saddle
+            ("x", "y"),
+            1e-4,
+            1.0,
+            state,
+            np.ones(2),
+            state[None],
+            lambda x: saddle @ x,
+            lambda x: saddle,
+            lambda x, value: (saddle @ x, np.column_stack([saddle, np.zeros(2)])),
         )
 
     laws = {law.where: law for law in _laws([at(0.1)], pair, slopes, eventful=True)}
