@@ -38,6 +38,14 @@ def jump(passed: Sequence[Met]) -> Met | None:
     return next((met for met in passed if met.kink.refused), None)
 
 
+def reach(jump: Met, length: float) -> float:
+    """How long a step, one of a length having passed a jump, may be before it is none any more.
+
+    Where a slope has no bound what is solved for beside it is rounding: its own distance counts there.
+    """
+    return length * jump.share if jump.kink.order else length
+
+
 def with_kinks(segment: Segment, passed: Sequence[Met]) -> Segment:
     """A segment whose end tells of what is passed on the way to it."""
     if not passed:

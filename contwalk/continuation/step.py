@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
 from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
-from contwalk.continuation.locating import Disagreement, Found, TooLong
+from contwalk.continuation.locating import SAME_POINT, Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.newton import Correction, Explanation, correct, text_of
 from contwalk.continuation.segment import LostBranch, Segment
@@ -125,7 +125,8 @@ def take_step(
         if reason in ("not_finite", "plugin_error") and jump is None:
             edge = reason, explanation
             ends = reason == "not_finite" and domain_edge.reached(problem, state.sample)
-        if ends or smallest or (length < EDGE and (edge is not None or jump is not None)):
+        before_jump = jump is not None and kinks_passed.reach(jump, length) < EDGE
+        if ends or smallest or before_jump or (length < EDGE and edge is not None):
             reason, explanation = edge or (reason, explanation)
             known = problem.diagnosis.obstacle(state.sample.z) or kinks_passed.sentence(problem, passed)
             place = observer.line.free, state.sample.parameter
@@ -315,8 +316,16 @@ def _smooth_before(
                 raise
             continue
         note = "" if less == BEFORE_LIMIT else _not_looked_for(segment.problem, part.b, observer)
-        return [replace(f, theta=share * f.theta) for f in found], replace(end, note=note)
+        before = [replace(f, theta=share * f.theta) for f in found if not _is_end(f, end, segment)]
+        return before, replace(end, note=note)
     return [], end
+
+
+def _is_end(found: Found, end: Found, segment: Segment) -> bool:
+    """Whether a branch point is one with orbits whose leg, which vanishes there, lasts no time all along."""
+    if found.type.test is not Test.ORIENTATION or "vanishing" not in end.located.vectors:
+        return False
+    return norm_in(found.located.z - end.located.z, segment.weights) < SAME_POINT
 
 
 def _not_looked_for(problem: Problem, last: Sample, observer: Observer) -> str:

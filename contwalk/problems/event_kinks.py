@@ -14,13 +14,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.fields.switching import Inputs, Switching
-from contwalk.problems.kink import EventKink, JumpThroughZero, Kink, Met
+from contwalk.problems.kink import EventKink, JumpThroughZero, Kink, Met, SteepKink
 from contwalk.problems.kinks import JUMPS, PARTS, Course, differ, directions, located
 
 # A state this near to a jump, against its size, is on it: on which side is left to rounding.
 ON = 1e-9
 # A direction along which the guard changes by less than this part of what it does along others keeps to it.
 KEPT = 1e-9
+
+# How far from a place slopes are looked at, in parts of the way to it, and by how much more a slope without
+# bound is larger at each than at the one before: one that goes as a power of the distance.
+NEARER, STEEPER = (1e-4, 1e-6, 1e-8), 1.5
 
 Direction = Mapping[tuple[str, int], float]
 
@@ -66,7 +70,7 @@ def between(event: EndMap, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
     found = []
     for k in np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1)).tolist():
         low, high = located(course, k)
-        kink = _told(event, course.at(np.array([low, high])))
+        kink = _steep(event, course, low, high) or _told(event, course.at(np.array([low, high])))
         if kink is not None:
             found.append(Met(kink, low))
     return tuple(found)
@@ -102,6 +106,32 @@ def _straight(event: EndMap, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -
         return event.evaluate(places)
 
     return Course(event.switching, evaluate, shares, at(shares), at, lambda before, after: "")
+
+
+def _steep(event: EndMap, course: Course, low: float, high: float) -> SteepKink | None:
+    """The place between two neighbouring ones if a slope grows there without bound, as a root's at zero."""
+    if event.through_zero:
+        return None
+    for side, ways in (
+        (low, [-low * part for part in NEARER]),
+        (high, [(1.0 - high) * part for part in NEARER]),
+    ):
+        places = course.at(side + np.array(ways))
+        slopes = np.abs([_slopes(event, place) for place in places])
+        with np.errstate(invalid="ignore"):
+            grow = np.all(slopes[1:] > STEEPER * slopes[:-1], axis=0)
+        if np.any(grow & (slopes[0] > 0.0)):
+            of, where = event.blame(*course.at(np.array([low, high])))
+            return SteepKink(1, where, of)
+    return None
+
+
+def _slopes(event: EndMap, place: np.ndarray) -> np.ndarray:
+    """Derivatives of all outputs at a place in a direction in which every unknown moves."""
+    switching, at = event.switching, _single(event, place)
+    along = directions(switching, at, event.sizes)
+    slopes: np.ndarray = switching.pieces(at, switching.held(at, along), along, 1)[0, 1]
+    return slopes
 
 
 def _told(event: EndMap, places: np.ndarray) -> Kink | None:

@@ -148,6 +148,24 @@ class EventKink(Kink):
 
 
 @dataclass(frozen=True)
+class SteepKink(EventKink):
+    """A place of a guard or a reset at which one of its slopes has no bound."""
+
+    @property
+    def refused(self) -> bool:
+        """No derivative there tells solutions beyond it."""
+        return True
+
+    def refusal(self, of: str) -> NotSmooth:
+        """Why orbits do not go on beyond it."""
+        return NotSmooth(
+            f"At its event slopes of {self.of} grow beyond all bounds: {self.where}. Multipliers of {of} "
+            "beside it do so, too, and no step leads through. End `range` there, and begin a branch on the "
+            "other side."
+        )
+
+
+@dataclass(frozen=True)
 class Undefined(Kink):
     """A number that is only told, and that is none: `of` names it."""
 

@@ -54,7 +54,7 @@ def stone() -> System:
 def tossed(c: float) -> list[Branch]:
     return diagram(
         stone(), "s", (LOWEST, 1.8), [0.0, 1.4], {"s": 1.4, "c": c}, mode="below", until="settled",
-        events={"GR": "switch"}, depth=3,
+        events={"GR": "switch"}, follow=("PD",), depth=3,
     )  # fmt: skip
 
 
@@ -88,3 +88,29 @@ def test_the_fold_of_orbits_above_the_ceiling() -> None:
     (fold,) = [p for p in above.special_points if p.label == "LP"]
     w = mpmath.findroot(lambda w: mpmath.diff(lambda u: drive(u, -0.05), w), 0.1)
     assert_met(fold, "s", float(drive(w, -0.05)))
+
+
+def test_a_visit_that_begins_is_followed_from_the_touch_itself() -> None:
+    """Visits of no time solve the equations as well wherever they pass the ceiling: no branch is theirs."""
+    found = tossed(0.05)
+    (below,) = [branch for branch in found if branch.info.signature == ("tick",)]
+    assert "The orbits with signature [tick rises falls] leave there" in below.outcome.message
+    assert {p.label for b in found for p in b.special_points} <= {"GR", "PD", "EP"}
+
+
+def test_where_every_other_passage_ceases_is_known_as_other_points_are() -> None:
+    """One of two passages vanishes: its guard has a double root, which equations of the orbit tell badly."""
+    c, least = mpmath.mpf("0.05"), mpmath.sqrt(2)
+
+    touching = least * T - mpmath.mpf(T) ** 2 / 2
+
+    def where(v):
+        lasts = T + 2 * mpmath.sqrt(v * v - 2) * (1 - 1 / (1 + mpmath.mpf(PRE)))
+        return v * lasts - lasts**2 / 2
+
+    s = mpmath.findroot(lambda s: s + c * where(s + c * touching) - least, (1.54, 1.55), solver="anderson")
+    (doubled,) = [
+        b for b in tossed(0.05) if sorted(b.info.signature) == sorted(("tick", "rises", "falls") * 2)
+    ]
+    (point,) = [p for p in doubled.special_points if p.label == "GR"]
+    assert_met(point, "s", float(s))

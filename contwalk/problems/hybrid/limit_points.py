@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -85,9 +86,25 @@ def located(problem: LimitedOrbit, which: int, sample: Sample) -> Located | None
     """The point near a sample at which limit number `which` passes zero."""
     try:
         system = system_of(problem, which, sample)
-        return None if system is None else augmented.solved(problem, system, sample)
+        found = None if system is None else augmented.solved(problem, system, sample)
     except (np.linalg.LinAlgError, UnsupportedOperation):
         return None
+    return found if found is None else _told_by_what_vanishes(problem, which, sample, found)
+
+
+def _told_by_what_vanishes(problem: LimitedOrbit, which: int, sample: Sample, found: Located) -> Located:
+    """A limit by the equations of the leg that turns out to vanish there: its own are singular at it."""
+    if "vanishing" in found.vectors:
+        return found
+    near = replace(sample, z=found.z)
+    try:
+        for leg in _doubtful(problem, problem.limits[which]):
+            if _vanishes(problem, leg, near):
+                again = augmented.solved(problem, _vanishing(problem, which, leg, near), sample)
+                return again or found
+    except (np.linalg.LinAlgError, UnsupportedOperation):
+        pass
+    return found
 
 
 def system_of(
@@ -215,7 +232,7 @@ def _vanishing(problem: LimitedOrbit, which: int, i: int, sample: Near) -> augme
     def conditions(there: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The orbit's equations with those of the legs that have gone."""
         own, lasting = there.linearize(z), np.array(gone) + there.layout.durations.start
-        value, slopes = _starting(there, i, transition, z, order)
+        value, slopes = starting(there, i, transition, z, order)
         rows = np.vstack([np.eye(size + 1)[lasting], there.layout.spread(i, slopes[None])])
         return np.concatenate([own.residual, z[lasting], [value]]), np.vstack([own.jacobian, rows])
 
@@ -290,9 +307,9 @@ def _first_derivative(problem: LimitedOrbit, i: int, transition: Transition, sam
     """
     z = _solution(problem, sample)
     lasting, typical = abs(float(z[problem.layout.durations][i])), _typical(problem, i, transition, sample)
-    value = float(_starting(problem, i, transition, z, 1)[0])
+    value = float(starting(problem, i, transition, z, 1)[0])
     for order in range(1, MOST_ORDER):
-        following = float(_starting(problem, i, transition, z, order + 1)[0])
+        following = float(starting(problem, i, transition, z, order + 1)[0])
         rounding = STILL * typical / problem.mesh.total**order
         if abs(value) >= max(LITTLE * abs(following) * lasting, rounding):
             return order
@@ -302,7 +319,7 @@ def _first_derivative(problem: LimitedOrbit, i: int, transition: Transition, sam
     raise np.linalg.LinAlgError(f"All derivatives of '{transition.name}' are zero where its segment begins.")
 
 
-def _starting(
+def starting(
     problem: LimitedOrbit, i: int, transition: Transition, z: np.ndarray, order: int
 ) -> tuple[float, np.ndarray]:
     """A guard's derivative by time of an order where leg i begins, with derivatives by the leg's inputs."""

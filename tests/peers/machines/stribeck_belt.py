@@ -90,7 +90,6 @@ PEER = Peer(
                     criticality="supercritical",
                 ),
                 Value("GR", TOUCHING, 1e-12, SHOOTING, of="orbit", kind="interior"),
-                Value("OC", TOUCHING, 1e-12, SHOOTING, of="orbit"),
             ),
         ),
     ),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from contwalk.errors import ContwalkError
@@ -21,6 +23,8 @@ from contwalk.problems.problem import Seed
 STILL = 1e-9
 # How far along the new branch its orbits are looked at, in the metric: the first that is admissible counts.
 STEPS = (1e-3, 1e-4, 1e-2)
+# The same where the equations are singular at the point: unstable orbits are to be found near it only.
+NEARER = (1e-2, *STEPS[:2], 1e-5, 1e-6)
 
 
 def seed_of(neighbour: AdjacentOrbit, label: str, words: str) -> Seed:
@@ -30,6 +34,8 @@ def seed_of(neighbour: AdjacentOrbit, label: str, words: str) -> Seed:
     ------
     NoAdjacentOrbit
     """
+    if neighbour.tangent is not None:
+        return _beside(neighbour, neighbour.tangent, label, words)
     rough, z = neighbour.problem, neighbour.z
     z = newton_on(rough, z, filled_magnitudes(rough, z))
     # Without its slowest event an orbit of many periods may be one of a single period.
@@ -38,21 +44,48 @@ def seed_of(neighbour: AdjacentOrbit, label: str, words: str) -> Seed:
     weights = filled_magnitudes(there, z)
     _refuse_undetermined(there, z, weights)
     tangent = kernel_direction(there.linearize(z).jacobian, weights)
+    way, _ = _admissible(there, z, tangent, weights, words, STEPS)
+    direction = way * tangent
+    return Seed(label, z, direction, amplitude(direction), there.adapted_to(z, weights), one_sided=True)
+
+
+def _beside(neighbour: AdjacentOrbit, tangent: np.ndarray, label: str, words: str) -> Seed:
+    """The branch of a neighbour whose equations are singular at the limit itself: from an orbit beside it."""
+    there, z = neighbour.problem, neighbour.z
+    weights = filled_magnitudes(there, z)
+    way, beside = _admissible(there, z, tangent, weights, words, NEARER)
+    rough = discretized(there, beside)
+    weights = filled_magnitudes(rough, beside)
+    direction = kernel_direction(rough.linearize(beside).jacobian, weights)
+    direction *= np.sign(float(direction @ (way * tangent / weights**2))) or 1.0
+    return Seed(label, beside, direction, amplitude(direction), rough.adapted_to(beside, weights))
+
+
+def _admissible(
+    problem: LimitedOrbit,
+    z: np.ndarray,
+    tangent: np.ndarray,
+    weights: np.ndarray,
+    words: str,
+    steps: Sequence[float],
+) -> tuple[float, np.ndarray]:
+    """The way along a tangent in which orbits are the machine's, 1 or -1, and the first of them seen there.
+
+    All have the shape (N + 1,).
+
+    Raises
+    ------
+    NoAdjacentOrbit
+    """
     tried = []
     for way in (1.0, -1.0):
-        for step in STEPS:
-            verdict = _looks(there, z, way * tangent, weights, step)
-            if verdict is None:
-                break
-            tried.append(verdict)
-        else:
-            continue
-        walking = there.adapted_to(z, weights)
-        direction = way * tangent
-        return Seed(label, z, direction, amplitude(direction), walking, one_sided=True)
-    reasons = told_once(tried)
+        for step in steps:
+            beside = _looks(problem, z, way * tangent, weights, step)
+            if not isinstance(beside, str):
+                return way, beside
+            tried.append(beside)
     raise NoAdjacentOrbit(
-        f"orbits with signature {words} solve the equations there, but beside it {reasons}."
+        f"orbits with signature {words} solve the equations there, but beside it {told_once(tried)}."
     )
 
 
@@ -85,8 +118,8 @@ def _refuse_undetermined(problem: LimitedOrbit, z: np.ndarray, weights: np.ndarr
 
 def _looks(
     problem: LimitedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, step: float
-) -> str | None:
-    """Why the orbit a step along a direction is not the machine's; None if it is."""
+) -> np.ndarray | str:
+    """The orbit a step along a direction, shape (N + 1,), or why it is not the machine's."""
     guess = z + step * tangent / float(np.linalg.norm(tangent / weights))
     normal = tangent / weights**2
     try:
@@ -104,4 +137,4 @@ def _looks(
         followed = follows(problem, there)
     except (ContwalkError, np.linalg.LinAlgError) as error:
         return f"Newton's method fails ({first_sentence(str(error))})"
-    return None if followed is None else f"a simulation goes another way: {first_sentence(followed)}"
+    return there if followed is None else f"a simulation goes another way: {first_sentence(followed)}"

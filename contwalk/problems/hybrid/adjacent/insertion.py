@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from contwalk.problems.hybrid import limits
@@ -14,16 +12,16 @@ from contwalk.problems.hybrid.adjacent.orbit import (
     assembled,
     own_limit,
     refuse_change,
+    starting_after,
     starts_and_durations,
     state_on_leg,
 )
+from contwalk.problems.hybrid.adjacent.visiting import visited
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
-from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.itinerary import Itinerary, Leg, continued, imaged_leg
+from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Transition
-from contwalk.system.declarations import ParameterValues
 
 
 def inserted(
@@ -35,15 +33,18 @@ def inserted(
     """
     there, i = discretized(problem, z), limit.leg
     old = problem.itinerary.legs[i]
+    falls = transition.direction != "rising"
+    leg = Leg(old.mode, transition, falls if transition.direction != "both" else _falls(there, z, limit))
     if transition.target != old.mode:
+        visit = visited(problem, z, limit, place, leg)
+        if visit is not None:
+            return visit
         rest = ", ".join(leg.name for leg in problem.itinerary.legs[i:] if leg.name)
         follows = f"the rest of the itinerary ({rest}) does" if rest else "a motion without events does"
         raise NoAdjacentOrbit(
             f"after '{transition.name}' the machine is in mode '{transition.target}', from where {follows} "
             "not follow."
         )
-    falls = transition.direction != "rising"
-    leg = Leg(old.mode, transition, falls if transition.direction != "both" else _falls(there, z, limit))
     states, lasting, start = starts_and_durations(there, z)
     x, t = state_on_leg(there, z, i, place), float(there.starting_times(z)[i]) + place * lasting[i]
     after = after_transition(problem, leg, x, t, z)
@@ -53,30 +54,10 @@ def inserted(
     states = [*states[: i + 1], after, *states[i + 1 :]]
     lasting = [*lasting[:i], first, second, *lasting[i + 1 :]]
     if not problem.itinerary.eventful:
-        itinerary, states, lasting = _after_event(there, z, itinerary, i, states, lasting)
+        itinerary, states, lasting = starting_after(there, z, itinerary, i, states, lasting)
         start, i = t, len(itinerary) - 1
     other, unknowns = assembled(there, itinerary, states, lasting, start, z)
     return AdjacentOrbit(other, unknowns, own_limit(other, i, "rate"))
-
-
-def _after_event(
-    problem: LimitedOrbit,
-    z: np.ndarray,
-    itinerary: Itinerary,
-    i: int,
-    states: list[np.ndarray],
-    lasting: list[float],
-) -> tuple[Itinerary, list[np.ndarray], list[float]]:
-    """What begins between events, as beginning right after the event that ends leg i: that leg comes last."""
-    symmetry = problem.system.symmetry(itinerary.image) if itinerary.image else None
-    p, early = ParameterValues(**problem.values_of(z)), itinerary.legs[: i + 1]
-    if symmetry is not None:
-        early = tuple(imaged_leg(problem.system, itinerary.image, leg) for leg in early)
-    legs = continued((*itinerary.legs[i + 1 :], *early))
-    # The last leg goes on as the first one.
-    given = [*states[i + 1 :], *(imaged(symmetry, x, p) for x in states[1 : i + 1])]
-    joined = [*lasting[i + 1 : -1], lasting[-1] + lasting[0], *lasting[1 : i + 1]]
-    return replace(itinerary, legs=legs), given, joined
 
 
 def _falls(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.itinerary import Itinerary, Leg
+from contwalk.problems.orbit.itinerary import Itinerary, Leg, continued, imaged_leg
 from contwalk.system import Transition
 from contwalk.system.declarations import ParameterValues
 
@@ -22,14 +22,22 @@ CHANGES = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class AdjacentOrbit:
-    """An orbit at a limit as one of another itinerary; `grows` is the limit whose margin leaves zero there.
+    """An orbit at a limit as one of another itinerary.
 
-    `z` has shape (N + 1,).
+    Parameters
+    ----------
+    problem : LimitedOrbit
+    z : ndarray, shape (N + 1,)
+    grows : Limit
+        The one whose margin leaves zero there.
+    tangent : ndarray, shape (N + 1,), optional
+        Of the branch that leaves, where several do that solve the equations.
     """
 
     problem: LimitedOrbit
     z: np.ndarray
     grows: Limit
+    tangent: np.ndarray | None = None
 
 
 class NoAdjacentOrbit(Exception):
@@ -104,6 +112,29 @@ def starts_and_durations(problem: LimitedOrbit, z: np.ndarray) -> tuple[list[np.
         passage.full(z[place]) for passage, place in zip(problem.passages, problem.layout.states, strict=True)
     ]
     return states, z[problem.layout.durations].tolist(), float(problem.starting_times(z)[0])
+
+
+def starting_after(
+    problem: LimitedOrbit,
+    z: np.ndarray,
+    itinerary: Itinerary,
+    i: int,
+    states: list[np.ndarray],
+    lasting: list[float],
+) -> tuple[Itinerary, list[np.ndarray], list[float]]:
+    """What begins between events, as beginning right after the event that ends leg i: that leg comes last.
+
+    The states have shape (n,) each, z shape (N + 1,).
+    """
+    symmetry = problem.system.symmetry(itinerary.image) if itinerary.image else None
+    p, early = ParameterValues(**problem.values_of(z)), itinerary.legs[: i + 1]
+    if symmetry is not None:
+        early = tuple(imaged_leg(problem.system, itinerary.image, leg) for leg in early)
+    legs = continued((*itinerary.legs[i + 1 :], *early))
+    # The last leg goes on as the first one.
+    given = [*states[i + 1 :], *(imaged(symmetry, x, p) for x in states[1 : i + 1])]
+    joined = [*lasting[i + 1 : -1], lasting[-1] + lasting[0], *lasting[1 : i + 1]]
+    return replace(itinerary, legs=legs), given, joined
 
 
 def across_symmetry(problem: LimitedOrbit, z: np.ndarray, x: np.ndarray, i: int) -> np.ndarray:
