@@ -18,6 +18,7 @@ from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.hybrid.mirrors import Span, carries
 from contwalk.problems.initial.coming_to_rest import check_moves
+from contwalk.problems.initial.decaying import decaying
 from contwalk.problems.initial.event_free import strobes
 from contwalk.problems.initial.volume import Volume
 from contwalk.problems.orbit.closure import imaged, order_of
@@ -211,7 +212,10 @@ class Search:
                 if recurrence.missed < SETTLED:
                     if self._accumulates(len(recurrence.stretches)):
                         return self._first_image()  # so do longer recurrences, of which less is known
-                    if self._again(recurrence):
+                    decays = not self.period and decaying(
+                        self.system, self.stretches, len(recurrence.stretches), arrival.scale
+                    )
+                    if self._again(recurrence) and not decays:
                         self._refuse_chatter(recurrence)
                         return self._shortest(recurrence, shorter)
                 shorter.append(recurrence)

@@ -13,6 +13,8 @@ from contwalk.problems.initial.event_search import EVENT, LOOK_BACK, Search
 from contwalk.problems.initial.recurrence import recurrent
 from contwalk.problems.orbit.itinerary import Leg
 
+# So many times as large as where it began, a motion has grown without bound.
+BEYOND = 1e9
 FIRST_RETURN = " Where it is near an orbit that may be unstable, until: 0 takes its first near return."
 
 
@@ -34,11 +36,28 @@ def _cut_short(search: Search, arc: MotionSegment) -> HybridRecurrence:
     """The best return of a motion that has ended, if it was not to settle, or to last for longer."""
     if search.best is not None and search.until is None:
         return search.best
+    grown = _grown(search)
+    if grown:
+        raise StartError(
+            f"The motion grows without bound: {grown}{_where(search)}.{_noted(search)}",
+            "Start from a motion that stays bounded, or at parameters at which it does.",
+        )
     error = NotFinite if arc.status == "not_finite" else StartError
     remedy = "Start elsewhere, or mend the plugin."
     if search.best is not None:
         remedy += FIRST_RETURN
     raise error(f"The simulation ends{_where(search)}: {arc.reason or arc.status}{_noted(search)}", remedy)
+
+
+def _grown(search: Search) -> str:
+    """The state that has grown most, and is beyond what any motion of a machine is; empty if none is."""
+    if search.last_state is None or search.origin is None:
+        return ""
+    x = np.abs(search.last_state[1])
+    k = int(np.argmax(x))
+    if not x[k] > BEYOND * (float(np.max(np.abs(search.origin))) or 1.0):
+        return ""
+    return f"'{search.system.state_names[k]}' is {search.last_state[1][k]:.1e}"
 
 
 def _noted(search: Search) -> str:
