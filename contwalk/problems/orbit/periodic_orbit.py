@@ -24,7 +24,6 @@ from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.orbit_section import section_through
-from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
 from contwalk.problems.orbit.shooting import meshed
@@ -122,7 +121,8 @@ class PeriodicOrbit(OrbitProblem):
     # -- equations ---------------------------------------------------------------------------------------
 
     def _linearized(self, z: np.ndarray) -> Linearization:
-        self._forcing(z)
+        if self.forced:
+            equations.period_of(self, z)  # asked first: without a period there is no motion to tell of
         residual, jacobian, nodes = equations.with_derivatives(self, z)
         self.solution(z).nodes = np.concatenate(nodes) if len(nodes) > 1 else nodes[0]
         levels, magnitudes = of_unowned(equations.levels, self), unowned(self.magnitudes_near)
@@ -270,15 +270,9 @@ class PeriodicOrbit(OrbitProblem):
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
         gradient = super().duration_gradient(z)
-        gradient[-1] = self.forcings * self._forcing(z)[1]
+        if self.forced:
+            gradient[-1] = equations.period_of(self, z)[1]
         return gradient
-
-    def _forcing(self, z: np.ndarray) -> tuple[float, float]:
-        """The period of what forces it, and its derivative by the free parameter; else zeros."""
-        if not self.forced:
-            return 0.0, 0.0
-        line = self.line
-        return period_and_slope(self.system, line.own, line.direction, float(z[-1]), line.constants)
 
     def admissible_at(self, z: np.ndarray) -> bool:
         """Whether a solution is one that the machine can move on: without events, all are.
