@@ -32,6 +32,20 @@ def _value(argument: Any) -> float:
 NEARLY = 1e-4
 
 
+# A root of less than this below zero is one of zero but for rounding.
+ROUNDED = 1e-9
+
+
+def _negative_by_rounding(name: str, value: float) -> str:
+    """What to write for an argument that is zero, where its event has just happened, but for rounding."""
+    if name not in ("pow", "sqrt") or not -ROUNDED < value < 0.0:
+        return ""
+    return (
+        ", which is zero but for rounding: write max(..., 1e-12) around it (with max(..., 0) second "
+        "derivatives have no value there, and special points are not located)"
+    )
+
+
 class Probe(Number):
     """A float that raises as soon as an operation gives NaN or infinity."""
 
@@ -57,7 +71,8 @@ class Probe(Number):
         try:
             result = function(*values)
         except (ArithmeticError, ValueError) as error:
-            raise _FoundNotFinite(f"{name} of {', '.join(f'{v:g}' for v in values)}") from error
+            what = f"{name} of {', '.join(f'{v:g}' for v in values)}"
+            raise _FoundNotFinite(what + _negative_by_rounding(name, values[0])) from error
         if not math.isfinite(result):
             raise _FoundNotFinite(f"{name} of {', '.join(f'{v:g}' for v in values)} is {result}")
         return type(self)(result)
