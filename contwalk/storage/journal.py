@@ -16,6 +16,7 @@ from typing import Any
 
 from contwalk.errors import DatabaseError
 from contwalk.storage.failures import failures_of, refuse_existing
+from contwalk.storage.locking import lock
 
 
 class Journal:
@@ -37,25 +38,35 @@ class Journal:
     Raises
     ------
     DatabaseError
-        If it is of another study, or damaged in its midst, or cannot be written.
+        If it is of another study, or damaged in its midst, or cannot be written; if another process has it.
     """
 
     def __init__(self, path: Path, identity: Mapping[str, Any], resume: bool) -> None:
-        self.path, self.kept = path, []
+        self.path = path
+        self.kept: list[dict[str, Any]] = []
         with failures_of(path, "create"):
-            there = path.read_bytes() if resume and path.exists() else b""
-            lines = list(_whole_lines(path, there))
-            if lines and lines[0][0] != dict(identity):
-                differing = _differing(lines[0][0], identity)
-                raise DatabaseError(
-                    f"{path} holds results of another study; what differs: {differing}.",
-                    "Undo the change, or begin anew with --force.",
-                )
-            self.kept = [entry for entry, _ in lines[1:]]
-            end = lines[-1][1] if lines else 0
-            self._file = path.open("r+b" if there else "wb")
-            self._file.truncate(end)
-            self._file.seek(end)
+            path.touch()
+            self._lock = lock(path)
+            try:
+                self._open(identity, path.read_bytes() if resume else b"")
+            except BaseException:
+                self._lock.release()
+                raise
+
+    def _open(self, identity: Mapping[str, Any], there: bytes) -> None:
+        """Take up what is there, and begin where it ends."""
+        lines = list(_whole_lines(self.path, there))
+        if lines and lines[0][0] != dict(identity):
+            differing = _differing(lines[0][0], identity)
+            raise DatabaseError(
+                f"{self.path} holds results of another study; what differs: {differing}.",
+                "Undo the change, or begin anew with --force.",
+            )
+        self.kept = [entry for entry, _ in lines[1:]]
+        end = lines[-1][1] if lines else 0
+        self._file = self.path.open("r+b")
+        self._file.truncate(end)
+        self._file.seek(end)
         if not lines:
             self.add(identity)
 
@@ -70,6 +81,7 @@ class Journal:
         """Close and delete it: what it kept is in other files."""
         self._file.close()
         self.path.unlink(missing_ok=True)
+        self._lock.release()
 
     def __enter__(self) -> Journal:
         return self
@@ -78,6 +90,7 @@ class Journal:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._file.close()
+        self._lock.release()
 
 
 def check_stopped(journal: Path, files: Sequence[Path], resume: bool, force: bool) -> None:

@@ -201,6 +201,18 @@ def test_what_is_interrupted_keeps_all_that_is_done(contwalk, falling, elsewhere
     assert [file.read_bytes() for file in result.files] == whole
 
 
+def test_a_second_run_into_the_same_journal_is_refused(contwalk, falling):
+    given, refused = ("sample", "s.yaml", "--no-figures", "--quiet"), []
+
+    def meanwhile(count):
+        refused.append([contwalk(*given, flag) for flag in ("--resume", "--force")])
+
+    sampling.sample(read_sampling("s.yaml"), figures=False, progress=meanwhile)
+    for done in refused[0]:
+        assert done.code == 2
+        assert "another process writes it" in done.err
+
+
 def test_ctrl_c_tells_how_to_go_on(contwalk, falling, monkeypatch):
     def stopped(*others):
         raise KeyboardInterrupt
