@@ -1,4 +1,8 @@
-"""Crossings that come in pairs: extrema of stability measures between two solutions that reach past zero."""
+"""Crossings that come in pairs: extrema of stability measures between two solutions that reach past zero.
+
+A multiplier that goes from beyond 1 to beyond -1 passes both, and the count is the same again: near
+homoclinic orbits of saddle-foci each fold has its period doubling that near. Between both the count differs.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +25,8 @@ NEAR_ZERO = 0.5
 CLOSE = 1e-4
 # How far to both sides of it, in parts of the segment.
 NEIGHBOURHOOD = 0.02
+# How narrow a bracket says where a multiplier changes its sign, in parts of the segment.
+NARROW = 1e-6
 
 
 def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float], list[Found]]:
@@ -44,7 +50,60 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
             elif _touches(segment, which, theta) and all(abs(theta - f.theta) > 1e-3 for f in touching):
                 found = locate_multiple(segment, theta)
                 touching += [found] if found is not None else []
+    if (between := _between_one_and_minus_one(segment)) is not None:
+        knots.append(between)
     return sorted(set(knots)), touching
+
+
+def _between_one_and_minus_one(segment: Segment) -> float | None:
+    """Where a multiplier that goes from beyond 1 to beyond -1, or back, is between: the count differs there.
+
+    Raises
+    ------
+    Disagreement
+        If it goes by zero, and the count is that of the ends all the way.
+    """
+    a, b = segment.a, segment.b
+    # Of orbits with events it changes sides by a pole as well, where one is grazed.
+    if segment.problem.meshed is None or segment.problem.limited is not None:
+        return None
+    which = _changes_sides(a, b)
+    if which is None:
+        return None
+    ends = float(a.eigenvalues[which].real), float(b.eigenvalues[which].real)
+
+    def value(theta: float) -> float:
+        return float(segment.at(theta).eigenvalues[which].real)
+
+    def attempt(theta: float, left: float, right: float) -> float | None:
+        return theta if segment.at(theta).unstable != a.unstable else None
+
+    found = narrow(value, 0.0, 1.0, *ends, attempt, width=NARROW)
+    if found is None:
+        kind = kind_of_test(segment.problem, Test.TURN)
+        raise Disagreement(kind, "A multiplier goes from beyond 1 to beyond -1, and neither is seen.")
+    return found
+
+
+def _changes_sides(a: Sample, b: Sample) -> int | None:
+    """The real multiplier that is beyond 1 at one end and beyond -1 at the other; as many are unstable.
+
+    Two that meet may go round zero together: then as many of them are beyond 1 as before, or two more.
+    """
+    if a.unstable != b.unstable or (_beyond_one(a) - _beyond_one(b)) % 2 == 0:
+        return None
+    for which in range(a.unstable):
+        values = [s.eigenvalues[which] for s in (a, b)]
+        known = all(abs(s.eigenvalues[which]) > max(s.errors[which], s.spectrum_error or 0.0) for s in (a, b))
+        if known and values[0].imag == values[1].imag == 0.0 and values[0].real * values[1].real < 0.0:
+            return which
+    return None
+
+
+def _beyond_one(sample: Sample) -> int:
+    """How many real multipliers are larger than one."""
+    real = sample.eigenvalues.imag == 0.0
+    return int(np.count_nonzero(real & (sample.eigenvalues.real > 1.0)))
 
 
 def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | None:

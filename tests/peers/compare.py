@@ -67,6 +67,8 @@ def judge(study: Study, branches: list[Branch]) -> Verdict:
             if point.label not in COMPARED and not (marks and point.label == "UZ"):
                 continue
             value = _meant(branch, point, known)
+            if value in study.real and point.status != "located":
+                continue  # it need not be found, and is not claimed to be
             if value is None or point.status != "located":
                 verdict.extra.append(f"extra: {_told(branch, point)}")
             else:

@@ -22,13 +22,23 @@ parameter is mostly more than what is left of its way.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.errors import NotFinite, PluginError, StartError
+from contwalk.problems.orbit.held_periods import longer_periods
+from contwalk.problems.orbit.homoclinic_laws import (
+    ABOUT,
+    AT_REST,
+    LAWFUL,
+    Limit,
+    Obeyed,
+    coming,
+    gone,
+    passing,
+)
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.solving import error_holding, newton_on
@@ -36,33 +46,20 @@ from contwalk.problems.problem import Sample
 
 # An orbit that is this slow somewhere, against its fastest, passes an equilibrium, or where one has been.
 CREEPING = 1e-2
-# An equilibrium this near to the orbit, in units of its range, is passed by it; so near that it is hidden.
-PASSED, AT_REST = 2e-2, 1e-3
+# An equilibrium this near to the orbit, in units of its range, is passed by it.
+PASSED = 2e-2
 # One this near, in the same units, may be what the orbit is on its way to.
 NEARING = 0.2
 # A parameter this near to its limit, relative to itself, is at it.
 LEAST_REST = 1e-10
+# What is left of its way, relative to itself, when orbits of longer periods tell no more.
+ROUNDING = 1e-13
 # A parameter below this part of its magnitude tends to zero.
 NEAR_ZERO = 1e-3
 # The extrapolated limit is better than the last value by more than this.
 REST = 10.0
 # Rates times periods are not larger: the rest is not asked for before the slope can be small enough.
 MOST_TURNS = 300.0
-# How far from the law of its equilibrium the parameter may be, and from it where nothing else is seen.
-LAWFUL, ABOUT = 0.25, 4.0
-
-
-@dataclass(frozen=True)
-class Limit:
-    """What is left to the limit of the parameter, its error, and how far the parameter may still swing."""
-
-    rest: float
-    error: float
-    swing: float
-
-
-# Whether the orbit before, by its slow places, obeys the law by which a limit was found.
-Obeyed = Callable[[list[SlowPlace]], bool]
 
 
 @dataclass(frozen=True)
@@ -74,6 +71,16 @@ class _Law:
     where: str
 
 
+@dataclass(frozen=True)
+class _Approached:
+    """A limit of the parameter, its error, and from which parameter and period it is extrapolated."""
+
+    value: float
+    error: float
+    last: float
+    period: float
+
+
 def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     """The end at a homoclinic or heteroclinic orbit, where two neighbouring orbits show that it is near."""
     if problem.forced or not b.period > a.period:
@@ -82,29 +89,87 @@ def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     if 0.0 in rises:
         return None
     slopes = np.array([float(s.tangent[-1]) / rise for s, rise in zip((a, b), rises, strict=True)])
-    value = float(b.z[-1])
     # A limit at zero is known to a part of what the parameter is elsewhere.
-    size = max(abs(value), NEAR_ZERO * float(b.weights[-1]))
+    size = max(abs(float(b.z[-1])), NEAR_ZERO * float(b.weights[-1]))
     wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * size
     if not np.all(np.isfinite(slopes)) or abs(slopes[1]) * b.period > MOST_TURNS * wanted:
         return None
-    places = [place for place in problem.slow_places(b.z) if place.slowness <= CREEPING]
+    places = _creeping(problem, b.z)
     laws = _laws(places, (a, b), slopes, problem.eventful)
     law = _obeyed(problem, laws, a, wanted)
     if law is None and _lies_within_noise(places, abs(slopes[1]), REST * wanted):
         law = _obeyed(problem, _laws_on_finest_steps(problem, places, (a, b)), a, wanted)
     if law is None:
         return None
-    held, known = _held(problem, b)
-    error = law.limit.error + known
+    near = _approached(problem, law.limit, (a, b), wanted) or _extrapolated(problem, law.limit, b)
     return Outcome(
         "stopped",
         "homoclinic",
         f"The period runs off ({problem.system.lasting(b.period, '.4g')} here) while the orbit creeps past "
         f"{law.where}: {_of_what(problem.eventful)} at "
-        f"{problem.free} = {held + law.limit.rest:.12g} +- {error:.1e}, by "
-        f"extrapolation from {value:.12g}.{_doubt(b)} Nothing to do; a finer accuracy follows it further.",
+        f"{problem.free} = {_written(near.value, near.error)} +- {near.error:.1e}, by extrapolation from "
+        f"{_written(near.last, near.error)}, where the period is "
+        f"{problem.system.lasting(near.period, '.4g')}.{_doubt(b)} Nothing to do.",
     )
+
+
+def _written(value: float, error: float) -> str:
+    """A number with two digits more than its error leaves, and twelve at least."""
+    digits = 12 if error >= 1e-10 * abs(value) else 16
+    return f"{value:.{digits}g}"
+
+
+def _approached(
+    problem: OrbitData, limit: Limit, samples: tuple[Sample, Sample], wanted: float
+) -> _Approached | None:
+    """The limit as orbits of longer periods tell it, until rounding is all that is left of the way to it.
+
+    None where there are none. Each must tell the limit within the error that the one before claims: where
+    it does not, its parameter is rounding.
+    """
+    a, b = samples
+    found: _Approached | None = None
+    before: tuple[Sample, float] | None = None
+    told, allowed = float(b.z[-1]) + limit.rest, limit.error + wanted
+    for place in longer_periods(problem, b, b.period - a.period, limit.swing):
+        here, last = (replace(b, z=place.z, period=place.period), place.slope), before
+        before = here
+        laws = [] if last is None else _laws_beside(problem, last, here)
+        if not laws:  # as where the slope of one that swings is zero
+            continue
+        value = float(place.z[-1])
+        agree = [law.limit for law in laws if abs(value + law.limit.rest - told) <= allowed]
+        if not agree:
+            break
+        nearest = min(agree, key=lambda x: x.error)
+        error = nearest.error + place.error
+        if found is not None and error >= found.error:
+            break
+        found = _Approached(value + nearest.rest, error, value, place.period)
+        told, allowed = found.value, error
+        if nearest.swing <= max(ROUNDING * abs(value), place.error):
+            break
+    return found
+
+
+def _laws_beside(problem: OrbitData, a: tuple[Sample, float], b: tuple[Sample, float]) -> list[_Law]:
+    """The laws that two orbits obey, each with its d lambda / dT."""
+    slopes = np.array([a[1], b[1]])
+    if not np.all(slopes):
+        return []
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows obeys none
+        return _laws(_creeping(problem, b[0].z), (a[0], b[0]), slopes, problem.eventful)
+
+
+def _extrapolated(problem: OrbitData, limit: Limit, b: Sample) -> _Approached:
+    """The limit as the law tells it from the last orbit of the walk."""
+    held, known = _held(problem, b)
+    return _Approached(held + limit.rest, limit.error + known, float(b.z[-1]), b.period)
+
+
+def _creeping(problem: OrbitData, z: np.ndarray) -> list[SlowPlace]:
+    """The slow places that may be beside an equilibrium; z has the shape (N + 1,)."""
+    return [place for place in problem.slow_places(z) if place.slowness <= CREEPING]
 
 
 def _obeyed(problem: OrbitData, laws: list[_Law], a: Sample, wanted: float) -> _Law | None:
@@ -199,7 +264,7 @@ def _laws(
         passes |= place.distance(rest) <= PASSED
         found += _laws_of(place, rest, samples, slopes, eventful)
     if places and not passes:
-        limit, obeyed = _gone(places[0], samples, slopes)
+        limit, obeyed = gone(places[0], samples, slopes)
         if limit is not None and _meet(places[0], samples[1], limit):
             found.append(_Law(limit, obeyed, "where an equilibrium has gone"))
     return found
@@ -229,126 +294,17 @@ def _laws_of(
 
     where = ", ".join(f"{name} = {x:.5g}" for name, x in zip(place.names, rest, strict=True))
     where = f"the equilibrium {where}"
-    limit = _passing(jacobian, distance, samples, slopes, eventful) if distance <= PASSED else None
+    limit = passing(jacobian, distance, samples, slopes, eventful) if distance <= PASSED else None
     if limit is not None:
         return [_Law(limit, lambda before: min(distances(before), default=0.0) > distance, where)]
     # Without events a homoclinic orbit comes back to the saddle, which tells by the slower of both rates.
-    coming = _coming(jacobian, samples, slopes) if eventful and distance <= NEARING else None
-    if coming is None:
+    on_its_way = coming(jacobian, samples, slopes) if eventful and distance <= NEARING else None
+    if on_its_way is None:
         return []
-    limit, rate = coming
+    limit, rate = on_its_way
 
     def comes(before: list[SlowPlace]) -> bool:
         nearest = min(distances(before), default=distance)
         return abs(float(np.log(nearest / distance)) / (rate * lasting) - 1.0) < LAWFUL
 
     return [_Law(limit, comes, where)]
-
-
-def _coming(
-    jacobian: np.ndarray, samples: tuple[Sample, Sample], slopes: np.ndarray
-) -> tuple[Limit, float] | None:
-    """The limit of orbits on their way to a saddle that they leave fast, and the rate at which they come.
-
-    What repels them on the way does so less than the saddle itself: the parameter falls at a rate that grows
-    to the saddle's own.
-    """
-    values = np.linalg.eigvals(jacobian)
-    growing, falling = values[values.real > 0.0], values[values.real < 0.0]
-    if not len(growing) or not len(falling) or slopes[0] * slopes[1] <= 0.0:
-        return None
-    out, into = growing[np.argmin(growing.real)], falling[np.argmax(falling.real)]
-    if out.imag or into.imag or -into.real >= out.real:
-        return None
-    measured = float(np.log(slopes[0] / slopes[1])) / (samples[1].period - samples[0].period)
-    if not 1.0 / ABOUT < measured / float(out.real) < 1.0 + LAWFUL:
-        return None
-    rest = float(slopes[1]) / measured
-    off = abs(measured / float(out.real) - 1.0)
-    return Limit(rest, (off + LAWFUL) * abs(rest), abs(rest)), -float(into.real)
-
-
-def _passing(
-    jacobian: np.ndarray,
-    distance: float,
-    samples: tuple[Sample, Sample],
-    slopes: np.ndarray,
-    eventful: bool = False,
-) -> Limit | None:
-    """The limit of orbits that pass an equilibrium, by its leading eigenvalue.
-
-    A reset may put the state beside the equilibrium, or an event take it away from there, and forget how it
-    came: then either of the leading ones may tell, and there may be one only. A pair swings about a
-    saddle-focus only: what is drawn in by a focus on all sides does not leave it, and what a reset puts
-    beside one that repels all leaves it the faster, the further away it begins.
-    """
-    values = np.linalg.eigvals(jacobian)
-    growing, falling = values[values.real > 0.0], values[values.real < 0.0]
-    leading = [growing[np.argmin(growing.real)]] if len(growing) else []
-    leading += [falling[np.argmax(falling.real)]] if len(falling) else []
-    leading.sort(key=lambda v: abs(v.real))
-    saddle = len(leading) == 2
-    if not eventful:
-        leading = leading[:1] if saddle else []
-    for value in leading:
-        if saddle and abs(value.imag) > 1e-9 * abs(value):
-            found = _swinging(complex(-abs(value.real), abs(value.imag)), samples, slopes)
-        else:
-            found = _falling(float(abs(value.real)), samples, slopes, distance < AT_REST)
-        if found is not None:
-            return found
-    return None
-
-
-def _falling(rate: float, samples: tuple[Sample, Sample], slopes: np.ndarray, at_rest: bool) -> Limit | None:
-    """lambda - lambda_h falls like exp(-rate T); of a cycle past several equilibria, with another rate."""
-    if slopes[0] * slopes[1] <= 0.0:
-        return None
-    measured = float(np.log(slopes[0] / slopes[1])) / (samples[1].period - samples[0].period)
-    if measured <= 0.0:
-        return None
-    off = abs(measured / rate - 1.0)
-    lawful = off < LAWFUL
-    if not lawful and not (at_rest and 1.0 / ABOUT < measured / rate < ABOUT):
-        return None
-    rest = float(slopes[1]) / measured
-    return Limit(rest, abs(rest - float(slopes[1]) / rate) + (off + LAWFUL) * abs(rest), abs(rest))
-
-
-def _swinging(exponent: complex, samples: tuple[Sample, Sample], slopes: np.ndarray) -> Limit | None:
-    """lambda - lambda_h = Re(c exp(exponent T)): c from the slopes at two periods."""
-    a, b = samples
-    back = np.exp(-exponent * (b.period - a.period))
-    if abs(back.imag) < 0.05 * abs(back):  # half a turn apart, or hardly apart: the phase is not told
-        return None
-    slope = complex(slopes[1], (slopes[1] * back.real - slopes[0]) / back.imag)
-    amplitude = slope / exponent
-    predicted = amplitude.real - (amplitude * back).real
-    off = abs(predicted - float(b.z[-1] - a.z[-1])) / max(abs(amplitude), abs(amplitude * back))
-    if off > LAWFUL:
-        return None
-    return Limit(-amplitude.real, abs(amplitude), abs(amplitude))
-
-
-def _gone(
-    after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray
-) -> tuple[Limit | None, Obeyed]:
-    """A saddle-node that has gone: lambda - lambda_h and the least speed fall like 1 / (T - T_0)^2."""
-    ratio = float(slopes[0] / slopes[1]) if slopes[1] else 0.0
-    if not ratio > 1.0:
-        return None, lambda _: False
-    a, b = (s.period for s in samples)
-    longer = ratio ** (1.0 / 3.0)  # (b - T_0) / (a - T_0)
-    since = (b - a) * longer / (longer - 1.0)  # b - T_0
-
-    def slower(before: list[SlowPlace]) -> bool:
-        times = before[0].speed / max(after.speed, 1e-300)
-        return times > 1.0 and bool(abs(np.log(times) / np.log(longer) - 2.0) <= 0.5)
-
-    rest = 0.5 * float(slopes[1]) * since
-    # From the slopes at both ends the law predicts the way in between. What it misses of that, as a part of
-    # it, is as the square of how much longer one lasts against what is missed of the rest.
-    way = 0.5 * float(slopes[0]) * since / longer - rest
-    missed = abs(float(samples[1].z[-1] - samples[0].z[-1]) / way - 1.0)
-    part = min(REST * missed / (longer - 1.0) ** 2, 0.5)
-    return (None if since > 2.0 * b else Limit(rest, part * abs(rest), abs(rest))), slower

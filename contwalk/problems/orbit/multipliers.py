@@ -46,6 +46,9 @@ class Multipliers:
         Those that come in pairs mu, 1/mu: see `reciprocal`. Their errors are those of their measures.
     bordering : ndarray of bool, shape (r,), optional
         Those of a symplectic map that stay on the unit circle; None of other maps.
+    accuracies : ndarray, shape (r,), optional
+        As `accuracy`, of each: beside a large one, a small one is known better than that. None where no
+        more is known than the first one's.
     """
 
     values: np.ndarray
@@ -53,6 +56,7 @@ class Multipliers:
     accuracy: float
     paired: np.ndarray | None = None
     bordering: np.ndarray | None = None
+    accuracies: np.ndarray | None = None
 
     @property
     def measures(self) -> np.ndarray:
@@ -79,7 +83,9 @@ class Multipliers:
 
     def doubted(self, error: float) -> Multipliers:
         """The same, none known better than to an absolute error."""
-        return replace(self, errors=np.maximum(self.errors, error), accuracy=max(self.accuracy, error))
+        each = None if self.accuracies is None else np.maximum(self.accuracies, error)
+        errors = np.maximum(self.errors, error)
+        return replace(self, errors=errors, accuracy=max(self.accuracy, error), accuracies=each)
 
     def beside(self, share: float) -> Multipliers:
         """The same on a family along which the parameter has this share of the unit tangent.
@@ -89,9 +95,9 @@ class Multipliers:
         """
         if abs(share) > STILL:
             return self
-        own = (np.abs(self.values - 1.0) <= self.accuracy) & (self.values.imag == 0.0)
-        errors = np.where(own, np.maximum(self.errors, self.accuracy), self.errors)
-        return replace(self, errors=errors)
+        known = self.accuracy if self.accuracies is None else self.accuracies
+        own = (np.abs(self.values - 1.0) <= known) & (self.values.imag == 0.0)
+        return replace(self, errors=np.where(own, np.maximum(self.errors, known), self.errors))
 
     def unstable(self, before: int | None) -> int:
         """Number of multipliers outside the unit circle.
@@ -147,14 +153,13 @@ def multipliers(
         return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
     values, errors = _eigenvalues(list(quotients), sizes)
     coarser = 1.0 + GLOBAL * tolerance / ROUNDING
-    accuracy = float(errors[0] * coarser)
     leak = np.zeros(len(values))
     if arriving is not None and bases is not None:
         leak = _leak(scaled, begin, end, bases, quotients, values, gradients)
     lost = leak > UNKNOWN * np.abs(values)
-    found = Multipliers(
-        values, np.where(lost, np.maximum(errors, leak / UNKNOWN), errors), max(accuracy, float(leak[0]))
-    )
+    each = np.maximum(errors * coarser, leak)
+    doubted = np.where(lost, np.maximum(errors, leak / UNKNOWN), errors)
+    found = Multipliers(values, doubted, float(each[0]), accuracies=each)
     if not gradients:
         return _bordering(found)
     whole = np.linalg.multi_dot(list(scaled[::-1])) if len(scaled) > 1 else scaled[0]
@@ -188,7 +193,8 @@ def of_sections(
             carried, moved = np.linalg.qr(moved)
         squares.append(moved)
     values, errors = _eigenvalues(squares, sizes)
-    return Multipliers(values, errors, float(errors[0] * (1.0 + GLOBAL * tolerance / ROUNDING)))
+    each = errors * (1.0 + GLOBAL * tolerance / ROUNDING)
+    return Multipliers(values, errors, float(each[0]), accuracies=each)
 
 
 def _bordering(found: Multipliers) -> Multipliers:

@@ -88,6 +88,9 @@ PEER = Peer(
                 Value("LP", -0.7976731385057393, 4e-12, COLLOCATION, of="orbit"),
                 Value("BP", -0.7976731384972856, 4e-12, COLLOCATION, of="orbit"),
                 Value("LP", -0.7975296077732696, 3e-11, COLLOCATION, of="orbit"),
+                # Told as not located, where the walk's own steps have them.
+                Value("LP", -0.7975173626733856, 1e-9, WHOLE, of="orbit"),
+                Value("BP", -0.7975173626733854, 1e-9, WHOLE, of="orbit"),
             ),
         ),
     ),

@@ -9,19 +9,13 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.problems.orbit.homoclinic import (
-    _coming,
-    _falling,
-    _gone,
-    _laws,
-    _passing,
-    _swinging,
-    homoclinic,
-)
+from contwalk.problems.orbit.homoclinic import _laws, homoclinic
+from contwalk.problems.orbit.homoclinic_laws import coming, falling, gone, passing, swinging
 from contwalk.problems.orbit.slow_place import SlowPlace
 
-# Of the Morris-Lecar model below, from collocation on 400 intervals followed to periods of 3e4.
-MORRIS_LECAR = 35.00673420
+# Where the manifolds of the saddle of the Morris-Lecar model below meet, by SciPy's DOP853 to 1e-13: from two
+# distances to 6e-12.
+MORRIS_LECAR = 35.006734197584
 
 
 def claimed(branch):
@@ -46,7 +40,7 @@ def test_the_limit_is_given_with_an_error_that_covers():
     assert [p.label for p in cycle.special_points] == ["LP", "EP"]
     value, error = claimed(cycle)
     assert abs(value - MORRIS_LECAR) <= error
-    assert error <= 1e-6 * value  # the walk ends ten accuracies, 1e-7, from the limit, on steps of 1e-6
+    assert error <= 1e-10 * value  # orbits of longer periods are followed until rounding is left
 
 
 def takens(t, x, p, dx):
@@ -66,6 +60,26 @@ def test_a_limit_nearer_than_what_the_steps_of_the_walk_tell_is_found_on_finer_o
     value, error = claimed(cycle)
     # Where the stable and the unstable manifold of the saddle meet, by SciPy's DOP853 to 1e-13.
     assert abs(value + 0.4295058488773843) <= error < 1e-8
+
+
+def leaf(t, x, p, dx):
+    """The loop y^2 = x^2 (1 - x) is homoclinic at m = 1, eigenvalues a - 1 and a + 1 (B. Sandstede, 1997)."""
+    aside = p.m - 1.0
+    dx[0] = p.a * x[0] + x[1] - p.a * x[0] ** 2 + aside * x[0] * (2.0 - 3.0 * x[0])
+    dx[1] = x[0] + p.a * x[1] - 1.5 * x[0] ** 2 - 1.5 * p.a * x[0] * x[1] - 2.0 * aside * x[1]
+
+
+@pytest.mark.parametrize("a", [-0.8, 0.2])
+def test_longer_periods_are_followed_until_rounding_is_left(a):
+    problem = small_problem(leaf, "xy", {"m": 1.0, "a": a}, "m")
+    equilibria = cw.continue_branch(problem, [2.0 / 3.0, 0.0], (0.5, 1.5))
+    cycle = cw.switch_branch(problem, equilibria, "HB1", (0.5, 1.5))
+    assert cycle.outcome.reason == "homoclinic", cycle.outcome
+    value, error = claimed(cycle)
+    assert abs(value - 1.0) <= error < 1e-12
+    period = float(re.search(r"where the period is (\S+)\.", cycle.outcome.message)[1])
+    # By then what is left has fallen from the walk's 1e-7, at the lesser rate of the saddle.
+    assert period > cycle.points["period"][-1] + np.log(1e4) / (1.0 - abs(a))
 
 
 def circuit(t, x, p, dx):
@@ -115,23 +129,23 @@ def samples(law, *periods):
 def test_the_law_of_a_saddle():
     law = lambda t: 2.0 + 3.0 * np.exp(-0.7 * t)  # noqa: E731
     pair, slopes = samples(law, 10.0, 10.5)
-    limit = _falling(0.7, pair, slopes, at_rest=False)
+    limit = falling(0.7, pair, slopes, at_rest=False)
     assert limit.rest == pytest.approx(2.0 - law(10.5), rel=1e-4)  # slopes by differences of 1e-6
-    assert _falling(1.5, pair, slopes, at_rest=False) is None  # another equilibrium's rate: no end
-    assert _falling(1.5, pair, slopes, at_rest=True).error >= abs(limit.rest)
+    assert falling(1.5, pair, slopes, at_rest=False) is None  # another equilibrium's rate: no end
+    assert falling(1.5, pair, slopes, at_rest=True).error >= abs(limit.rest)
 
 
 def test_a_fold_is_not_the_law_of_a_saddle():
     """Near a fold dlambda/dT falls linearly: by which rate depends on how near, not on an equilibrium."""
     pair, slopes = samples(lambda t: 2.0 + 1e-9 * (t - 20.0) ** 2, 18.0, 18.3)
-    assert _falling(0.05, pair, slopes, at_rest=False) is None
-    assert _falling(3.0, pair, slopes, at_rest=False) is None
+    assert falling(0.05, pair, slopes, at_rest=False) is None
+    assert falling(3.0, pair, slopes, at_rest=False) is None
 
 
 def test_the_law_of_a_saddle_focus():
     law = lambda t: 2.0 + np.exp(-0.2 * t) * np.cos(1.3 * t + 0.4)  # noqa: E731
     pair, slopes = samples(law, 20.0, 20.4)
-    limit = _swinging(complex(-0.2, 1.3), pair, slopes)
+    limit = swinging(complex(-0.2, 1.3), pair, slopes)
     assert limit.rest == pytest.approx(2.0 - law(20.4), rel=1e-3)
     assert limit.swing == pytest.approx(np.exp(-0.2 * 20.4), rel=1e-3)
     assert limit.error >= limit.swing
@@ -179,7 +193,7 @@ def test_the_parameter_at_which_equilibria_meet_is_told_where_an_orbit_is_slow()
 def test_the_law_of_a_saddle_node_that_has_gone():
     law = lambda t: 2.0 + 5.0 / (t - 3.0) ** 2  # noqa: E731
     pair, slopes = samples(law, 300.0, 310.0)
-    limit, obeyed = _gone(place(1.0 / 307.0**2), pair, slopes)
+    limit, obeyed = gone(place(1.0 / 307.0**2), pair, slopes)
     assert limit.rest == pytest.approx(2.0 - law(310.0), rel=1e-2)
     assert abs(limit.rest - (2.0 - law(310.0))) <= limit.error
     assert obeyed([place(1.0 / 297.0**2)])
@@ -225,16 +239,16 @@ def test_the_rate_is_that_of_the_slowest_direction_of_a_saddle(growing, falling)
     law = lambda t: 2.0 + 3.0 * np.exp(-0.7 * t)  # noqa: E731
     pair, slopes = samples(law, 10.0, 10.5)
     jacobian = np.diag([growing, 5.0, -falling, -6.0])
-    limit = _passing(jacobian, 1e-2, pair, slopes)
+    limit = passing(jacobian, 1e-2, pair, slopes)
     assert limit.rest == pytest.approx(2.0 - law(10.5), rel=1e-4)  # slopes by differences of 1e-6
-    assert _passing(np.diag([-0.7, -3.0]), 1e-2, pair, slopes) is None  # nothing leaves a sink
+    assert passing(np.diag([-0.7, -3.0]), 1e-2, pair, slopes) is None  # nothing leaves a sink
 
 
 def test_a_focus_that_draws_in_is_no_limit_of_orbits_with_events():
     """Two slopes always fit a swing; what a sink has drawn in does not leave it again."""
     pair, slopes = samples(lambda t: 2.0 + 3.0 * np.exp(-0.3 * t), 20.0, 24.0)
     focus = np.array([[-0.005, 0.06], [-0.06, -0.005]])
-    assert _passing(focus, 1e-2, pair, slopes, eventful=True) is None
+    assert passing(focus, 1e-2, pair, slopes, eventful=True) is None
 
 
 def test_on_the_way_to_a_saddle_the_rate_is_not_yet_the_saddles():
@@ -244,12 +258,12 @@ def test_on_the_way_to_a_saddle_the_rate_is_not_yet_the_saddles():
     way = float(np.trapezoid(slope(times), times))
     pair = tuple(SimpleNamespace(period=t, z=np.array([0.0])) for t in (55.0, 60.0))
     slopes = np.array([slope(55.0), slope(60.0)])
-    limit, rate = _coming(np.diag([0.38, -0.01]), pair, slopes)
+    limit, rate = coming(np.diag([0.38, -0.01]), pair, slopes)
     assert rate == pytest.approx(0.01)
     assert abs(limit.rest - way) <= limit.error < abs(way)
-    assert _coming(np.diag([-0.38, -0.01]), pair, slopes) is None  # a sink is not left
-    assert _coming(np.diag([0.38, -0.5]), pair, slopes) is None  # the way to it would be the faster one
-    assert _coming(np.diag([0.1, -0.01]), pair, slopes) is None  # nothing repels more than the saddle
+    assert coming(np.diag([-0.38, -0.01]), pair, slopes) is None  # a sink is not left
+    assert coming(np.diag([0.38, -0.5]), pair, slopes) is None  # the way to it would be the faster one
+    assert coming(np.diag([0.1, -0.01]), pair, slopes) is None  # nothing repels more than the saddle
 
 
 def test_an_orbit_that_does_not_come_nearer_is_on_no_way_to_a_saddle():
