@@ -152,3 +152,37 @@ def test_the_crossing_rate_against_a_difference_along_the_branch():
     (hopf,) = bifurcations(branch)
     # Re = (B - 1 - A^2) / 2 is linear: the difference is off by rounding of its terms, 1e-16 / 1e-3.
     assert (above - below) / (2 * width) == pytest.approx(hopf.coefficients["crossing_rate"], rel=1e-11)
+
+
+def spring(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = -x[0] - x[0] ** 3 + p.mu * x[1]
+
+
+def test_where_damping_vanishes_in_a_conservative_machine_nothing_is_told_of_the_side():
+    """All terms of l1 are imaginary: their real parts are rounding, and no criticality."""
+    problem = small_problem(spring, "xy", {"mu": -0.5}, "mu")
+    (hopf,) = bifurcations(cw.continue_branch(problem, [0.0, 0.0], (-0.5, 0.5)))
+    assert hopf.criticality is None
+    assert "degenerate" in hopf.note
+    assert abs(hopf.coefficients["l1"]) <= hopf.coefficients["l1_error"] < 1e-14
+
+
+def competitors(t, x, p, dx):
+    """Three species, each pressed by the next one (R. May, W. Leonard, SIAM J. Appl. Math. 29 (1975) 243)."""
+    for i in range(3):
+        dx[i] = x[i] * (1.0 - x[i] - p.a * x[(i + 1) % 3] - p.b * x[(i + 2) % 3])
+
+
+def test_cycles_that_exist_at_one_value_only_are_followed_from_their_hopf_point():
+    """At a + b = 2 all of a plane is cycles, up to the heteroclinic one: the side tells no size of them."""
+    problem = small_problem(competitors, "xyz", {"a": 0.8, "b": 0.9}, "b")
+    equilibria = cw.continue_branch(problem, [0.37, 0.37, 0.37], (0.3, 2.0))
+    (hopf,) = bifurcations(equilibria)
+    assert hopf.parameters["b"] == pytest.approx(1.2, abs=1e-14)
+    assert hopf.criticality is None
+    cycles = cw.switch_branch(problem, equilibria, "HB1", (0.3, 2.0))
+    assert [p.label for p in cycles.special_points] == ["EP"]
+    assert cycles.outcome.reason == "homoclinic", cycles.outcome
+    assert abs(cycles.points["free"][:, 0] - 1.2).max() < 1e-9
+    assert cycles.points["period"][-1] > 3.0 * cycles.points["period"][0]

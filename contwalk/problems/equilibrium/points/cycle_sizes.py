@@ -63,6 +63,8 @@ class CycleSizes:
             if moved is not None:
                 break
             rho *= 0.5
+        if self._square == 0.0:  # as far as the orders fall
+            wanted = rho
         # What is found of a smaller amplitude follows with its square at least.
         higher = np.zeros(len(self._first)) if moved is None else moved * (wanted / rho) ** 2
         sizes = np.where(self._by_itself, wanted * self._first, higher + self._shift * change)
@@ -112,7 +114,9 @@ class CycleSizes:
 
 
 def _square_per_change(point: SpecialPoint) -> float:
-    """rho^2 per change of the parameter: rate / (omega |l1|); 0 where the normal form does not tell."""
+    """rho^2 per change of the parameter: rate / (omega |l1|); 0 where the normal form does not tell: l1 is
+    zero to its error.
+    """
     omega, l1 = float(point.coefficients["omega"]), abs(float(point.coefficients["l1"]))
     rate = abs(float(point.coefficients["crossing_rate"]))
-    return rate / (omega * l1) if l1 > 0.0 else 0.0
+    return rate / (omega * l1) if point.criticality is not None else 0.0

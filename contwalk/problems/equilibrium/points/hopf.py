@@ -173,15 +173,16 @@ def hopf_coefficients(problem: EquilibriumEquations, located: Located, weights: 
     """First Lyapunov coefficient with its estimated error, and how fast the pair crosses.
 
     The weights have the shape (N + 1,). The error is how far l1 moves while
-    the solution moves by roundings of its own and of its weights.
+    the solution moves by roundings of its own and of its weights, and a rounding of the terms that l1 is the
+    sum of: where all of them are imaginary, as in a conservative machine, their real parts are rounding.
     """
     omega = float(located.vectors["omega"])
     q = located.vectors["right"] / np.linalg.norm(located.vectors["right"])
-    l1, q, p = _lyapunov(problem, located.z, omega, q)
+    l1, size, q, p = _lyapunov(problem, located.z, omega, q)
     moved = [_lyapunov(problem, z, omega, q)[0] for z in rounded(located.z, weights)]
     return {
         "l1": l1,
-        "l1_error": max(abs(value - l1) for value in moved),
+        "l1_error": max(abs(value - l1) for value in moved) + float(np.finfo(float).eps) * size,
         "omega": omega,
         "crossing_rate": problem.crossing_rate(located.z, q, p),
         "convention": "Kuznetsov 2004, eq. 5.34: l1 = Re(c1)/omega with <q,q> = 1, <p,q> = 1",
@@ -190,8 +191,9 @@ def hopf_coefficients(problem: EquilibriumEquations, located: Located, weights: 
 
 def _lyapunov(
     problem: EquilibriumEquations, z: np.ndarray, omega: float, q: np.ndarray
-) -> tuple[float, np.ndarray, np.ndarray]:
-    """l1 with its critical vectors q and p (Kuznetsov 2004, eq. 5.34), <q, q> = 1, <p, q> = 1.
+) -> tuple[float, float, np.ndarray, np.ndarray]:
+    """l1, the size of its terms, and its critical vectors q and p (Kuznetsov 2004, eq. 5.34), <q, q> = 1,
+    <p, q> = 1.
 
     l1 = Re[<p, C(q,q,q*)> - 2 <p, B(q, A^-1 B(q,q*))> + <p, B(q*, (2 i w - A)^-1 B(q,q))>] / (2 w).
     Where neutral directions are pinned, A is singular along the family and A^-1 is taken with the pin in
@@ -204,9 +206,11 @@ def _lyapunov(
     forms = Forms(problem, z)
     h11 = problem.solve_states(z, forms.second(q, np.conj(q))[:n])
     h20 = np.linalg.solve(2j * omega * np.eye(n) - a, forms.second(q, q)[:n])
-    total = (
-        p @ forms.third(q, q, np.conj(q))[:n]
-        - 2.0 * p @ forms.second(q, h11)[:n]
-        + p @ forms.second(np.conj(q), h20)[:n]
-    )
-    return float(total.real) / (2.0 * omega), q, p
+    terms = [
+        forms.third(q, q, np.conj(q))[:n],
+        -2.0 * forms.second(q, h11)[:n],
+        forms.second(np.conj(q), h20)[:n],
+    ]
+    total = sum(p @ term for term in terms)
+    size = sum(float(np.abs(p) @ np.abs(term)) for term in terms)
+    return float(total.real) / (2.0 * omega), size / (2.0 * omega), q, p
