@@ -58,6 +58,8 @@ ROUNDING = 1e-13
 NEAR_ZERO = 1e-3
 # The extrapolated limit is better than the last value by more than this.
 REST = 10.0
+# Equilibria that are one agree to this part of the orbit's range, eigenvalues of images to this part.
+ALIKE = 1e-6
 # Rates times periods are not larger: the rest is not asked for before the slope can be small enough.
 MOST_TURNS = 300.0
 
@@ -69,6 +71,26 @@ class _Law:
     limit: Limit
     obeyed: Obeyed
     where: str
+
+
+class _Passed:
+    """An equilibrium that is passed, shape (n,), and its eigenvalues."""
+
+    def __init__(self, place: SlowPlace, rest: np.ndarray) -> None:
+        self.place, self.rest = place, rest
+        self.values = np.sort_complex(np.linalg.eigvals(place.jacobian(rest)))
+
+    def is_(self, other: _Passed) -> bool:
+        """Whether both are one: an orbit is slow more than once where it winds about it."""
+        if self.place.names != other.place.names:
+            return False
+        apart = (self.rest - other.rest) / self.place.scale
+        return bool(np.linalg.norm(apart) <= ALIKE)
+
+    def like(self, other: _Passed) -> bool:
+        """Whether their eigenvalues agree, as those of images of each other do."""
+        same = self.values.shape == other.values.shape
+        return same and bool(np.allclose(self.values, other.values, rtol=ALIKE))
 
 
 @dataclass(frozen=True)
@@ -256,14 +278,16 @@ def _laws(
     places: list[SlowPlace], samples: tuple[Sample, Sample], slopes: np.ndarray, eventful: bool
 ) -> list[_Law]:
     """The laws that the parameter obeys: of the equilibria that are passed, or of one that has gone."""
-    found, passes = [], False
-    for place in places:
-        rest = place.equilibrium()
-        if rest is None:
-            continue
-        passes |= place.distance(rest) <= PASSED
-        found += _laws_of(place, rest, samples, slopes, eventful)
-    if places and not passes:
+    found, passed = list[_Law](), list[_Passed]()
+    near = [(place, rest) for place in places if (rest := place.equilibrium()) is not None]
+    for place, rest in near:
+        own = _Passed(place, rest)
+        if place.distance(rest) <= PASSED and not any(own.is_(other) for other in passed):
+            passed.append(own)
+    for place, rest in near:
+        alike = sum(other.like(_Passed(place, rest)) for other in passed)
+        found += _laws_of(place, rest, samples, slopes, eventful, max(alike, 1))
+    if places and not passed:
         limit, obeyed = gone(places[0], samples, slopes)
         if limit is not None and _meet(places[0], samples[1], limit):
             found.append(_Law(limit, obeyed, "where an equilibrium has gone"))
@@ -281,9 +305,14 @@ def _meet(place: SlowPlace, sample: Sample, limit: Limit) -> bool:
 
 
 def _laws_of(
-    place: SlowPlace, rest: np.ndarray, samples: tuple[Sample, Sample], slopes: np.ndarray, eventful: bool
+    place: SlowPlace,
+    rest: np.ndarray,
+    samples: tuple[Sample, Sample],
+    slopes: np.ndarray,
+    eventful: bool,
+    alike: int,
 ) -> list[_Law]:
-    """The law of one equilibrium, if the parameter obeys it."""
+    """The law of one equilibrium, one of so many alike that are passed, if the parameter obeys it."""
     distance, jacobian = place.distance(rest), place.jacobian(rest)
     lasting = samples[1].period - samples[0].period
 
@@ -294,7 +323,8 @@ def _laws_of(
 
     where = ", ".join(f"{name} = {x:.5g}" for name, x in zip(place.names, rest, strict=True))
     where = f"the equilibrium {where}"
-    limit = passing(jacobian, distance, samples, slopes, eventful) if distance <= PASSED else None
+    near = distance <= PASSED
+    limit = passing(jacobian, distance, samples, slopes, eventful, alike) if near else None
     if limit is not None:
         return [_Law(limit, lambda before: min(distances(before), default=0.0) > distance, where)]
     # Without events a homoclinic orbit comes back to the saddle, which tells by the slower of both rates.

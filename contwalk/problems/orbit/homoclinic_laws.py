@@ -5,7 +5,7 @@ The table of `homoclinic` says which equilibrium has which law.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,14 +63,16 @@ def passing(
     samples: tuple[Sample, Sample],
     slopes: np.ndarray,
     eventful: bool = False,
+    passes: int = 1,
 ) -> Limit | None:
-    """The limit of orbits that pass an equilibrium, by its leading eigenvalue.
+    """The limit of orbits that pass an equilibrium, or several alike in a round, by its leading eigenvalue.
 
     A reset may put the state beside the equilibrium, or an event take it away from there, and forget how it
     came: then either of the leading ones may tell, and there may be one only. A pair swings about a
     saddle-focus only: what is drawn in by a focus on all sides does not leave it, and what a reset puts
-    beside one that repels all leaves it the faster, the further away it begins. The jacobian has the shape
-    (n, n), the slopes d lambda / dT (2,).
+    beside one that repels all leaves it the faster, the further away it begins. A round past several alike,
+    as images of each other are, grows by a part of the period at each: whether it does, the way between both
+    orbits tells. The jacobian has the shape (n, n), the slopes d lambda / dT (2,).
     """
     values = np.linalg.eigvals(jacobian)
     repelling, drawing = values[values.real > 0.0], values[values.real < 0.0]
@@ -82,16 +84,21 @@ def passing(
         leading = leading[:1] if saddle else []
     for value in leading:
         if saddle and abs(value.imag) > 1e-9 * abs(value):
-            found = swinging(complex(-abs(value.real), abs(value.imag)), samples, slopes)
+            exponent = complex(-abs(value.real), abs(value.imag))
+            found = swinging([exponent / m for m in sorted({1, passes})], samples, slopes)
         else:
-            found = falling(float(abs(value.real)), samples, slopes, distance < AT_REST)
+            rates = [float(abs(value.real)) / m for m in sorted({1, passes})]
+            found = falling(rates, samples, slopes, distance < AT_REST)
         if found is not None:
             return found
     return None
 
 
-def falling(rate: float, samples: tuple[Sample, Sample], slopes: np.ndarray, at_rest: bool) -> Limit | None:
-    """lambda - lambda_h falls like exp(-rate T); of a cycle past several equilibria, with another rate.
+def falling(
+    rates: Sequence[float], samples: tuple[Sample, Sample], slopes: np.ndarray, at_rest: bool
+) -> Limit | None:
+    """lambda - lambda_h falls like exp(-rate T) with one of some rates; of a cycle past several equilibria,
+    with another one.
 
     The slopes d lambda / dT have the shape (2,).
     """
@@ -100,6 +107,7 @@ def falling(rate: float, samples: tuple[Sample, Sample], slopes: np.ndarray, at_
     measured = float(np.log(slopes[0] / slopes[1])) / (samples[1].period - samples[0].period)
     if measured <= 0.0:
         return None
+    rate = min(rates, key=lambda r: abs(np.log(measured / r)))
     off = abs(measured / rate - 1.0)
     lawful = off < LAWFUL
     if not lawful and not (at_rest and 1.0 / ABOUT < measured / rate < ABOUT):
@@ -108,8 +116,23 @@ def falling(rate: float, samples: tuple[Sample, Sample], slopes: np.ndarray, at_
     return Limit(rest, abs(rest - float(slopes[1]) / rate) + (off + LAWFUL) * abs(rest), abs(rest))
 
 
-def swinging(exponent: complex, samples: tuple[Sample, Sample], slopes: np.ndarray) -> Limit | None:
-    """lambda - lambda_h = Re(c exp(exponent T)): c from the slopes at two periods, shape (2,)."""
+def swinging(
+    exponents: Sequence[complex], samples: tuple[Sample, Sample], slopes: np.ndarray
+) -> Limit | None:
+    """lambda - lambda_h = Re(c exp(exponent T)): c from the slopes at two periods, shape (2,), and of some
+    exponents the one that tells the way between both best.
+    """
+    found = [_swing(exponent, samples, slopes) for exponent in exponents]
+    off, amplitude = min((x for x in found if x is not None), key=lambda x: x[0], default=(np.inf, 0j))
+    if off > LAWFUL:
+        return None
+    return Limit(-amplitude.real, abs(amplitude), abs(amplitude))
+
+
+def _swing(
+    exponent: complex, samples: tuple[Sample, Sample], slopes: np.ndarray
+) -> tuple[float, complex] | None:
+    """How far the law is from the way between two orbits, as a part of its amplitude, and the amplitude."""
     a, b = samples
     back = np.exp(-exponent * (b.period - a.period))
     if abs(back.imag) < 0.05 * abs(back):  # half a turn apart, or hardly apart: the phase is not told
@@ -118,9 +141,7 @@ def swinging(exponent: complex, samples: tuple[Sample, Sample], slopes: np.ndarr
     amplitude = slope / exponent
     predicted = amplitude.real - (amplitude * back).real
     off = abs(predicted - float(b.z[-1] - a.z[-1])) / max(abs(amplitude), abs(amplitude * back))
-    if off > LAWFUL:
-        return None
-    return Limit(-amplitude.real, abs(amplitude), abs(amplitude))
+    return off, amplitude
 
 
 def gone(after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray) -> tuple[Limit | None, Obeyed]:
