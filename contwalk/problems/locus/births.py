@@ -7,7 +7,7 @@ curve of Hopf points where c1 has the other sign than l2, a cycle of that amplit
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,16 @@ def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
     if problem.system.acting:
         return ()
     z, l2 = np.array(point.unknowns), float(point.coefficients["l2"])
+    return _found_beside(problem, z, lambda beside, _: _fold(problem, beside, l2, z[-2:]))
+
+
+def _found_beside(
+    problem: Any, z: np.ndarray, born: Callable[[np.ndarray, float], Seed | None]
+) -> Sequence[Seed]:
+    """What is born beside a point of a curve of Hopf points, at the first place that has it; z (N + 1,).
+
+    `born` is asked at solutions (N + 1,) to both sides, with how far aside they are.
+    """
     there = problem.at(z)
     weights = _sizes(there, z)
     tangent = kernel_direction(there.linearize(z).jacobian, weights)
@@ -49,8 +59,7 @@ def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         for sign in (1.0, -1.0):
             try:
                 guess = z + sign * aside * tangent
-                beside = newton_on(there, guess, weights, tangent / weights**2)
-                found = _fold(problem, beside, l2, z[-2:])
+                found = born(newton_on(there, guess, weights, tangent / weights**2), aside)
             except (ContwalkError, np.linalg.LinAlgError):
                 continue
             if found is not None:
@@ -100,20 +109,9 @@ def tori_of_cycles(problem: Any, z: np.ndarray) -> Sequence[Seed]:
     """
     if problem.system.acting:
         return ()
-    there = problem.at(z)
-    weights = _sizes(there, z)
-    tangent = kernel_direction(there.linearize(z).jacobian, weights)
-    for aside in ASIDE:
-        for sign in (1.0, -1.0):
-            try:
-                guess = z + sign * aside * tangent
-                beside = newton_on(there, guess, weights, tangent / weights**2)
-                found = _torus(problem, beside, AMPLITUDE * aside**0.5, z[-2:])
-            except (ContwalkError, np.linalg.LinAlgError):
-                continue
-            if found is not None:
-                return [found]
-    return ()
+    return _found_beside(
+        problem, z, lambda beside, aside: _torus(problem, beside, AMPLITUDE * aside**0.5, z[-2:])
+    )
 
 
 def _torus(problem: Any, z: np.ndarray, r: float, origin: np.ndarray) -> Seed | None:
