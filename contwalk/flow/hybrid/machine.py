@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from contwalk.errors import called
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.field import Field
 from contwalk.flow.events.guard import EPSILON, Guard
@@ -50,18 +51,24 @@ class ModeFlow:
     @cached_property
     def jump_instants(self) -> JumpInstants | None:
         """Where guards jump, or their slopes do, whatever the states are; None if nowhere."""
-        if self.period is None or not self.code.time_choices:
+        if not self.code.time_choices or self.period is None:
             return None
         return JumpInstants(self.code.time_choices, self.p, self.period)
 
     @cached_property
     def period(self) -> float | None:
-        """That of the forcing; None where there is none, or none that could be one."""
+        """That of the forcing; None where there is none, or none that could be one.
+
+        Raises
+        ------
+        PluginError
+            If the plugin's function fails.
+        """
         system = self.code.system
         if system.period is None:
             return None
         named = dict(zip(system.parameter_names, self.p.tolist(), strict=True))
-        period = float(system.period(ParameterValues(**named)))
+        period = float(called("period", system.period, ParameterValues(**named)))
         return period if 0.0 < period < math.inf else None
 
     def constants(self, field: CompiledField) -> np.ndarray:
