@@ -17,6 +17,7 @@ from contwalk.plugin_check.absent import check_absent
 from contwalk.plugin_check.angles import check_angles_of_fields
 from contwalk.plugin_check.at_events import check_at_all_events, check_at_event
 from contwalk.plugin_check.conserved import check_conserved
+from contwalk.plugin_check.cut_powers import check_cut_powers
 from contwalk.plugin_check.event_kinks import check_event_kinks, check_told_kinks
 from contwalk.plugin_check.events import Happening, check_passing, check_transition, traced_reset
 from contwalk.plugin_check.findings import Finding, Report, place_of, place_of_error, split_place
@@ -100,6 +101,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
             declarations.check_repeats(report, f"field of mode '{name}'", field, samples, period)
     for name, field in fields.items():
         check_kinks(report, name, field, system, samples)
+        check_cut_powers(report, name, field, system)
         check_parameter_kinks(report, f"field of mode '{name}'", field, samples, name)
     if period is not None:
         check_kinks_of_period(report, system, samples)
