@@ -61,6 +61,8 @@ def visited(
         itinerary, states, lasting = starting_after(there, z, itinerary, i, states, lasting)
         start, visit = t, 0
     other, unknowns = assembled(there, itinerary, states, lasting, start, z)
+    if _flat(other, unknowns, visit):
+        return None
     tangent = _tangent(other, unknowns, visit)
     return AdjacentOrbit(other, unknowns, own_limit(other, visit, "duration"), tangent)
 
@@ -79,6 +81,20 @@ def _way_back(
             falls = not leg.falls if transition.direction == "both" else transition.direction == "falling"
             return Leg(touched.target, transition, falls)
     return None
+
+
+def _flat(problem: LimitedOrbit, z: np.ndarray, visit: int) -> bool:
+    """Whether what ends a visit that lasts no time, z (N + 1,), has no second rate there either.
+
+    As the distance of a block from the table that throws it: its acceleration is zero, too, where it is
+    touched. Of how long it flies such equations tell nothing to the first order.
+    """
+    transition = problem.itinerary.legs[visit].transition
+    assert transition is not None
+    period = float(problem.duration(z))
+    rates = [limit_points.starting(problem, visit, transition, z, order)[0] for order in (1, 2)]
+    sizes = [abs(rate) * period**order for order, rate in enumerate(rates, start=1)]
+    return bool(max(sizes) <= AT_ZERO * problem.guard_scales[visit])
 
 
 def _tangent(problem: LimitedOrbit, z: np.ndarray, visit: int) -> np.ndarray | None:
