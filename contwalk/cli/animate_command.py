@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from contwalk.cli.bar import bar
 from contwalk.cli.stored_system import required_system, trust_option
 from contwalk.errors import ContwalkError
 
@@ -100,17 +100,8 @@ def _animate(
     """With a live bar where somebody watches a terminal."""
     from contwalk.workflow.animating import animate
 
-    if quiet or not (sys.stdout.isatty() and sys.stderr.isatty()):
-        return animate(system, branch, point, path, **options)
-    from rich.progress import Progress
-
-    from contwalk.cli.terminal import console
-
-    def progress(done: int, number: int) -> None:
-        bar.update(task, completed=done, total=number)
-
-    with Progress(console=console(stderr=True), transient=True) as bar:
-        task = bar.add_task("frames", total=None)
+    with bar("frames", None, quiet) as move:
+        progress = move and (lambda done, number: move(completed=done, total=number))
         return animate(system, branch, point, path, **options, progress=progress)
 
 

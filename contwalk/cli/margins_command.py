@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 import click
 
+from contwalk.cli.bar import bar
 from contwalk.cli.going_on import check_resume, command_to_resume, computing, say_interrupted
 from contwalk.cli.jobs_option import jobs_option
 from contwalk.cli.scheduler_option import check_one, scheduler_option
@@ -62,9 +62,8 @@ def command(
     from contwalk.workflow.run_file.margins import read_margins
 
     run = read_margins(file, overrides, output)
-    watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
 
-    def found(progress: Callable[[int, int], None] | None = None) -> MarginsResult:
+    def found(progress: Callable[[int, int], None] | None) -> MarginsResult:
         with executor_at(scheduler) as executor:
             return margins(
                 run,
@@ -80,14 +79,8 @@ def command(
     again = command_to_resume("margins", file, overrides, output, computing(jobs, scheduler), flags)
     with termination() as terminated:
         try:
-            if watched:
-                from rich.progress import Progress
-
-                with Progress(console=console(stderr=True), transient=True) as bar:
-                    task = bar.add_task("rays", total=None)
-                    result = found(lambda done, of: bar.update(task, completed=done, total=of))
-            else:
-                result = found()
+            with bar("rays", None, quiet) as move:
+                result = found(move and (lambda done, of: move(completed=done, total=of)))
         except KeyboardInterrupt:
             return say_interrupted(again if run.file("margins.journal").exists() else None, terminated)
     if not quiet:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 import click
 
+from contwalk.cli.bar import bar
 from contwalk.cli.going_on import check_resume, command_to_resume, computing, say_interrupted
 from contwalk.cli.jobs_option import jobs_option
 from contwalk.cli.scheduler_option import check_one, scheduler_option
@@ -66,9 +66,8 @@ def command(
     from contwalk.workflow.sampling import sample
 
     run = read_sampling(file, overrides, output)
-    watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
 
-    def found(progress: Callable[[int], None] | None = None) -> SampleResult:
+    def found(progress: Callable[[int], None] | None) -> SampleResult:
         with executor_at(scheduler) as executor:
             return sample(
                 run,
@@ -84,14 +83,8 @@ def command(
     again = command_to_resume("sample", file, overrides, output, computing(threads, scheduler), flags)
     with termination() as terminated:
         try:
-            if watched:
-                from rich.progress import Progress
-
-                with Progress(console=console(stderr=True), transient=True) as bar:
-                    task = bar.add_task("motions", total=run.sampling.count)
-                    result = found(lambda done: bar.advance(task, done))
-            else:
-                result = found()
+            with bar("motions", run.sampling.count, quiet) as move:
+                result = found(move and (lambda done: move(advance=done)))
         except KeyboardInterrupt:
             return say_interrupted(again if run.file("samples.journal").exists() else None, terminated)
     if not quiet:

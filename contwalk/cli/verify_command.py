@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from contwalk.cli.bar import bar
 from contwalk.cli.stored_system import required_system, trust_option
 
 if TYPE_CHECKING:
@@ -79,19 +80,14 @@ def _compared(
     """All comparisons, with a bar where somebody watches."""
     from contwalk.workflow.verifying import verify
 
-    if silent or not (sys.stdout.isatty() and sys.stderr.isatty()):
-        return verify(system, header, points, method)
-    from rich.progress import Progress
-
-    from contwalk.cli.terminal import console
-
-    with Progress(console=console(stderr=True), transient=True) as bar:
-        task = bar.add_task("points", total=len(points))
-
-        def progress(comparison: Comparison) -> None:
-            bar.update(task, advance=1, description=f"{comparison.branch}/{comparison.point}")
-
-        return verify(system, header, points, method, progress)
+    with bar("points", len(points), silent) as move:
+        return verify(
+            system,
+            header,
+            points,
+            method,
+            move and (lambda done: move(advance=1, description=f"{done.branch}/{done.point}")),
+        )
 
 
 def _print(header: RunHeader, found: Sequence[Comparison]) -> None:

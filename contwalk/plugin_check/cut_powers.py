@@ -8,7 +8,7 @@ are not located there.
 from __future__ import annotations
 
 from contwalk.fields.derivative import ancestors
-from contwalk.fields.graph import Graph
+from contwalk.fields.graph import Graph, Key
 from contwalk.fields.trace import roots
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.traced import Traced
@@ -37,11 +37,11 @@ def check_cut_powers(report: Report, name: str, field: Traced, system: System) -
         )
 
 
-def _exponent(graph: Graph, key: tuple[object, ...]) -> float | None:
+def _exponent(graph: Graph, key: Key) -> float | None:
     """That of a power with a fixed exponent that is not whole."""
     if key[0] == "sqrt":
         return 0.5
-    return graph.value(int(str(key[2]))) if key[0] == "pow" else None
+    return graph.value(key[2]) if key[0] == "pow" else None
 
 
 def _cut_at_zero(graph: Graph, base: int) -> bool:

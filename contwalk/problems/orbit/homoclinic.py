@@ -73,21 +73,21 @@ class _Law:
     where: str
 
 
-class _Passed:
-    """An equilibrium that is passed, shape (n,), and its eigenvalues."""
+class _Equilibrium:
+    """An equilibrium beside a slow place, shape (n,), and its eigenvalues."""
 
     def __init__(self, place: SlowPlace, rest: np.ndarray) -> None:
         self.place, self.rest = place, rest
         self.values = np.sort_complex(np.linalg.eigvals(place.jacobian(rest)))
 
-    def is_(self, other: _Passed) -> bool:
+    def is_(self, other: _Equilibrium) -> bool:
         """Whether both are one: an orbit is slow more than once where it winds about it."""
         if self.place.names != other.place.names:
             return False
         apart = (self.rest - other.rest) / self.place.scale
         return bool(np.linalg.norm(apart) <= ALIKE)
 
-    def like(self, other: _Passed) -> bool:
+    def like(self, other: _Equilibrium) -> bool:
         """Whether their eigenvalues agree, as those of images of each other do."""
         same = self.values.shape == other.values.shape
         return same and bool(np.allclose(self.values, other.values, rtol=ALIKE))
@@ -278,15 +278,14 @@ def _laws(
     places: list[SlowPlace], samples: tuple[Sample, Sample], slopes: np.ndarray, eventful: bool
 ) -> list[_Law]:
     """The laws that the parameter obeys: of the equilibria that are passed, or of one that has gone."""
-    found, passed = list[_Law](), list[_Passed]()
-    near = [(place, rest) for place in places if (rest := place.equilibrium()) is not None]
-    for place, rest in near:
-        own = _Passed(place, rest)
-        if place.distance(rest) <= PASSED and not any(own.is_(other) for other in passed):
+    found, passed = list[_Law](), list[_Equilibrium]()
+    near = [_Equilibrium(place, rest) for place in places if (rest := place.equilibrium()) is not None]
+    for own in near:
+        if own.place.distance(own.rest) <= PASSED and not any(own.is_(other) for other in passed):
             passed.append(own)
-    for place, rest in near:
-        alike = sum(other.like(_Passed(place, rest)) for other in passed)
-        found += _laws_of(place, rest, samples, slopes, eventful, max(alike, 1))
+    for own in near:
+        alike = sum(other.like(own) for other in passed)
+        found += _laws_of(own.place, own.rest, samples, slopes, eventful, max(alike, 1))
     if places and not passed:
         limit, obeyed = gone(places[0], samples, slopes)
         if limit is not None and _meet(places[0], samples[1], limit):

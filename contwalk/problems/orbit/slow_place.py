@@ -59,20 +59,9 @@ class SlowPlace:
 
         All have the shape (k,).
         """
-        x = (self.state if near is None else near).copy()
-        for _ in range(ITERATIONS):
-            f, j = self.velocity(x), self.jacobian(x)
-            if not (np.all(np.isfinite(f)) and np.all(np.isfinite(j))):
-                return None
-            scaled = j * self.scale / self.scale[:, None]
-            step = np.linalg.lstsq(scaled, f / self.scale, rcond=1e-12)[0]
-            x = x - step * self.scale
-            size = float(np.linalg.norm(step))
-            if size < CONVERGED:
-                return x if self.distance(x) < 1.0 else None
-            if size > 2.0:
-                return None
-        return None
+        start = self.state if near is None else near
+        x = self._standing(lambda x: (self.velocity(x), self.jacobian(x)), start, self.scale)
+        return x if x is not None and self.distance(x) < 1.0 else None
 
     def meeting(self, value: float, size: float) -> float | None:
         """The value of the free parameter, near one, at which two equilibria meet where the orbit is slowest;
@@ -82,18 +71,33 @@ class SlowPlace:
         units of `size`): just beside a saddle-node no move of the state brings the field nearer to zero, so
         the parameter makes it, up to the square of how far it is.
         """
-        x, units = np.append(self.state, value), np.append(self.scale, size)
+        start, units = np.append(self.state, value), np.append(self.scale, size)
+        x = self._standing(lambda x: self.family(x[:-1], float(x[-1])), start, units)
+        if x is None or not self.distance(x[:-1]) < 1.0:
+            return None
+        left = float(np.linalg.norm(self.family(x[:-1], float(x[-1]))[0] / self.scale))
+        return float(x[-1]) if left <= STANDING * self.speed else None
+
+    def _standing(
+        self,
+        field: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+        start: np.ndarray,
+        units: np.ndarray,
+    ) -> np.ndarray | None:
+        """Where a field, which comes with its derivatives, is zero near a start; None where steps grow.
+
+        The start and its units have the shape (u,), of states or of states and parameter.
+        """
+        x = start.copy()
         for _ in range(ITERATIONS):
-            f, j = self.family(x[:-1], float(x[-1]))
+            f, j = field(x)
             if not (np.all(np.isfinite(f)) and np.all(np.isfinite(j))):
                 return None
             step = np.linalg.lstsq(j * units / self.scale[:, None], f / self.scale, rcond=1e-12)[0]
             x = x - step * units
             length = float(np.linalg.norm(step))
             if length < CONVERGED:
-                left = float(np.linalg.norm(self.family(x[:-1], float(x[-1]))[0] / self.scale))
-                at_rest = left <= STANDING * self.speed and self.distance(x[:-1]) < 1.0
-                return float(x[-1]) if at_rest else None
+                return x
             if length > 2.0:
                 return None
         return None
