@@ -7,7 +7,12 @@ lowers its number, and takes it off where it is within the bound; a number is ne
 from __future__ import annotations
 
 import ast
+import io
+import keyword
+import tokenize
+from collections import defaultdict
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 
 import pytest
@@ -20,8 +25,13 @@ ROOT = Path(contwalk.__file__).parent
 FILES = sorted(ROOT.rglob("*.py"))
 
 MOST_METHODS, MOST_LINES, MOST_ARGUMENTS, MOST_MEMBERS = 30, 400, 8, 15
+# So many lines of functions in a row stand nowhere else, with other names neither.
+SHARED = 10
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+# A module, and which of its lines.
+Place = tuple[str, int]
 
 # Methods, and lines, of classes.
 METHODS_OVER: dict[str, int] = {}
@@ -126,6 +136,94 @@ def test_files_are_short():
 def test_functions_have_few_arguments():
     found = ((name, f) for module, tree in TREES.items() for name, f in functions(tree.body, module))
     only_shrinks(over(((name, positional(f)) for name, f in found), MOST_ARGUMENTS), ARGUMENTS_OVER)
+
+
+def written_out(node: ast.AST) -> bool:
+    """Whether it is a docstring, or an import."""
+    text = (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
+    return text or isinstance(node, ast.Import | ast.ImportFrom)
+
+
+def lines_of_functions(source: str) -> Iterator[tuple[int, list[tuple[bool, str]]]]:
+    """Lines of functions with their signatures: number, what stands in it, and whether that is a name.
+
+    Docstrings, imports, comments and lines of signs alone are left out; strings and numbers are all alike.
+    """
+    inside, outside = set[int](), set[int]()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, Function):
+            inside |= {*range(node.lineno, (node.end_lineno or 0) + 1)}
+        elif isinstance(node, ast.stmt) and written_out(node):
+            outside |= {*range(node.lineno, (node.end_lineno or 0) + 1)}
+    words: dict[int, list[tuple[bool, str]]] = defaultdict(list)
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type in (tokenize.NAME, tokenize.OP, tokenize.NUMBER, tokenize.STRING):
+            named = token.type == tokenize.NAME and not keyword.iskeyword(token.string)
+            kept = token.type in (tokenize.NAME, tokenize.OP)
+            words[token.start[0]].append((named, token.string if kept else "0"))
+    for line in sorted(inside - outside):
+        if any(word.isalnum() or named for named, word in words[line]):
+            yield line, words[line]
+
+
+def shape(lines: list[list[tuple[bool, str]]]) -> tuple[object, ...]:
+    """Some lines with names told by the order in which they come."""
+    numbers: dict[str, int] = {}
+    return tuple(
+        tuple(numbers.setdefault(word, len(numbers)) if named else word for named, word in line)
+        for line in lines
+    )
+
+
+def alike(places: Iterator[tuple[object, Place]]) -> list[list[Place]]:
+    """Places that are told to be alike, where there are several."""
+    found: dict[object, list[Place]] = defaultdict(list)
+    for key, place in places:
+        found[key].append(place)
+    return [group for group in found.values() if len(group) > 1]
+
+
+def shared(sources: dict[str, str]) -> list[str]:
+    """Pairs of places that share so many lines, names apart."""
+    lines = {name: list(lines_of_functions(source)) for name, source in sources.items()}
+
+    def shape_at(place: Place) -> tuple[object, ...]:
+        name, k = place
+        return shape([words for _, words in lines[name][k : k + SHARED]])
+
+    def signs() -> Iterator[tuple[object, Place]]:
+        for name, own in lines.items():
+            each = [hash(tuple("" if named else word for named, word in words)) for _, words in own]
+            yield from ((tuple(each[k : k + SHARED]), (name, k)) for k in range(len(own) - SHARED + 1))
+
+    return [
+        f"{a}:{lines[a][i][0]} ~ {b}:{lines[b][j][0]}"
+        for group in alike(signs())
+        for found in alike((shape_at(place), place) for place in group)
+        for (a, i), (b, j) in combinations(found, 2)
+        if a != b or j - i >= SHARED
+    ]
+
+
+def test_no_two_places_share_ten_lines():
+    assert shared({module_name(path): path.read_text(encoding="utf-8") for path in FILES}) == []
+
+
+PAIRS = ("xy", "ux", "vy", "uv", "xu", "yx", "vx", "uy", "xv")
+
+
+def test_lines_that_are_shared_with_other_names_are_seen():
+    body = "".join(f"    {a} = {b}({a}, {k})\n" for k, (a, b) in enumerate(PAIRS))
+    first = f'def f(x, y, u, v):\n    """One."""\n{body}'
+    second = "".join(
+        {"x": "p", "y": "q", "u": "r", "v": "s"}.get(c, c) for c in f"def g(x, y, u, v):\n{body}"
+    )
+    assert shared({"one": first, "two": second}) == ["one:1 ~ two:1"]
+    assert shared({"one": first, "two": second.replace("p = r", "p = q", 1)}) == []
 
 
 @pytest.mark.parametrize(("found", "listed"), [({"a": 31}, {}), ({"a": 32}, {"a": 31}), ({}, {"a": 31})])

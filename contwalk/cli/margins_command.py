@@ -4,16 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from contwalk.cli.bar import bar
-from contwalk.cli.going_on import check_resume, command_to_resume, computing, say_interrupted
-from contwalk.cli.jobs_option import jobs_option
-from contwalk.cli.scheduler_option import check_one, scheduler_option
+from contwalk.cli.study_call import StudyCall, study_command
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rich.console import Console
 
     from contwalk.workflow.basin import BasinResult
@@ -21,30 +15,16 @@ if TYPE_CHECKING:
     from contwalk.workflow.run_file.margins import MarginsFile
 
 
-@click.command("margins")
-@click.argument("file")
-@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Set a value of the run file.")
-@click.option("--output", metavar="X.h5", help="Base of the files' names, instead of the run file's output.")
-@jobs_option("Processes, or auto; the result does not depend on it.", 1)
-@scheduler_option()
-@click.option("--resume", is_flag=True, help="Go on with a study that was stopped.")
-@click.option("--force", is_flag=True, help="Replace files that exist.")
-@click.option("--quiet", is_flag=True, help="Print errors only.")
-@click.option("--no-figures", is_flag=True, help="Draw no figure.")
-@click.pass_context
-def command(
-    context: click.Context,
-    *,
-    file: str,
-    overrides: tuple[str, ...],
-    output: str | None,
-    jobs: int,
-    scheduler: str | None,
-    resume: bool,
-    force: bool,
-    quiet: bool,
-    no_figures: bool,
-) -> int:
+@study_command(
+    "margins",
+    "what a study has found",
+    output="Base of the files' names, instead of the run file's output.",
+    resume="Go on with a study that was stopped.",
+    force="Replace files that exist.",
+    jobs="Processes, or auto; the result does not depend on it.",
+    no_figures="Draw no figure.",
+)
+def command(call: StudyCall) -> int:
     """Find how far the motion that the run file FILE names may be pushed, one state and sign at a time.
 
     With output X.h5 it writes X_margins.h5, X_margins.csv and X_margins.png; what is found is kept in
@@ -53,39 +33,22 @@ def command(
     Exit codes: 0; 1 if a computation failed; 2 for bad input, with nothing written; 130 after Ctrl-C, 143
     after SIGTERM.
     """
-    check_one(context, jobs, scheduler)
-    check_resume(context, resume, force, "what a study has found")
     from contwalk.cli.terminal import console
-    from contwalk.cli.termination import termination
     from contwalk.workflow.cluster import executor_at
     from contwalk.workflow.margins import margins
     from contwalk.workflow.run_file.margins import read_margins
 
-    run = read_margins(file, overrides, output)
+    run = read_margins(*call.given)
 
-    def found(progress: Callable[[int, int], None] | None) -> MarginsResult:
-        with executor_at(scheduler) as executor:
-            return margins(
-                run,
-                jobs=jobs,
-                executor=executor,
-                resume=resume,
-                force=force,
-                figures=not no_figures,
-                progress=progress,
-            )
+    def work() -> int:
+        with bar("rays", None, call.quiet) as move, executor_at(call.scheduler) as executor:
+            progress = move and (lambda done, of: move(completed=done, total=of))
+            result = margins(run, jobs=call.jobs, executor=executor, **call.kept, progress=progress)
+        if not call.quiet:
+            _print(console(), run, result)
+        return 0
 
-    flags = {"--quiet": quiet, "--no-figures": no_figures}
-    again = command_to_resume("margins", file, overrides, output, computing(jobs, scheduler), flags)
-    with termination() as terminated:
-        try:
-            with bar("rays", None, quiet) as move:
-                result = found(move and (lambda done, of: move(completed=done, total=of)))
-        except KeyboardInterrupt:
-            return say_interrupted(again if run.file("margins.journal").exists() else None, terminated)
-    if not quiet:
-        _print(console(), run, result)
-    return 0
+    return call.interruptible(work, run.file("margins.journal"), call.again())
 
 
 def _print(out: Console, run: MarginsFile, result: MarginsResult) -> None:
