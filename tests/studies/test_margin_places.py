@@ -49,3 +49,57 @@ def test_what_a_push_has_put_into_the_ground_stands_on_it_and_what_it_has_lifted
     assert placed(machine, 0.0, "air", x, x - np.array([1e-3, 0.0])).mode == "ground"
     assert placed(machine, 0.0, "ground", x, x + np.array([1e-3, 0.0])).mode == "air"
     assert placed(machine, 0.0, "ground", x, x - np.array([1e-3, 0.0])).mode == "ground"
+
+
+def bounces(t, x, p, after):
+    after[0], after[1] = 0.0, 1.0 - 0.5 * x[1]
+
+
+def swings(t, x, p, dx):
+    dx[0], dx[1] = x[1], -x[0]
+
+
+def kicks(t, x, p, after):
+    after[0], after[1] = x[0], (x[1] * x[1] + 0.5) ** 0.5
+
+
+STATES = State("h"), State("v")
+BALL = System(
+    "ball",
+    states=STATES,
+    parameters=(),
+    modes=(Mode("flies", falls),),
+    transitions=(Transition("bounces", "flies", "flies", height, "falling", bounces),),
+)
+CLOCK = System(
+    "clock",
+    states=STATES,
+    parameters=(),
+    modes=(Mode("goes", swings),),
+    transitions=(Transition("kicks", "goes", "goes", height, "rising", kicks),),
+)
+
+
+@pytest.mark.parametrize("error", [-1e-13, 0.0, 1e-13])
+def test_a_ball_on_the_floor_that_is_pushed_down_bounces(error):
+    machine, x = hybrid_machine(BALL, {}), np.array([error, 2.0])
+    place = placed(machine, 0.0, "flies", x, x - np.array([0.0, 5.0]), last="bounces")
+    assert place.state.tolist() == [0.0, 2.5]
+    assert (place.last, place.beyond) == ("bounces", "")
+    softer = placed(machine, 0.0, "flies", x, x - np.array([0.0, 1.5]), last="bounces")
+    assert softer.state.tolist() == [error, 0.5]
+    assert placed(machine, 0.0, "flies", x, x - np.array([1e-3, 0.0]), last="bounces").beyond == "bounces"
+
+
+@pytest.mark.parametrize("speed", [-2.0, 0.0, 2.0])
+def test_a_machine_that_goes_on_past_its_event_may_be_pushed_past_it(speed):
+    machine = hybrid_machine(CLOCK, {})
+    for begin in (-1e-9, -0.5):
+        x = np.array([begin, speed])
+        assert placed(machine, 0.0, "goes", x, x + np.array([1.0, 0.0])).beyond == ""
+
+
+@pytest.mark.parametrize("speed", [-2.0, 0.0, 2.0])
+def test_a_ball_is_never_below_its_floor(speed):
+    machine, x = hybrid_machine(BALL, {}), np.array([0.5, speed])
+    assert placed(machine, 0.0, "flies", x, x - np.array([1.0, 0.0])).beyond == "bounces"

@@ -3,8 +3,10 @@
 What a push does to guards is not an event of the motion. Where a transition acts at entry (`level=True`), it
 happens: a foot that a push has put below the ground stands on it. Modes that soft transitions join are one
 mode of the machine, whose field has several pieces: of them the one is taken on whose side of the soft guards
-the state is, and what acts at entry in any of them does. Where a guard that acts otherwise has been pushed
-past zero, from the side on which it is on the motion, the machine cannot be there: a mass is behind its wall.
+the state is, and what acts at entry in any of them does. A guard that the last event has left at zero, and
+that a push of the velocity turns back, acts at once: a ball on the floor that is pushed down bounces. Where a
+guard that acts otherwise has been pushed past zero, from the side on which it is on the motion, the machine
+cannot be there: a mass is behind its wall. It can be there where what its event does lets it go on past zero.
 """
 
 from __future__ import annotations
@@ -18,16 +20,20 @@ import numpy as np
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow, applied
 from contwalk.system import System, Transition
 
+HALVINGS = 60  # of a push, until it puts a guard to zero
+STEP = 1e-5  # of differences, in parts of a state or of the push
 MOST_CHANGES = 64  # of the mode, after which the machine is said to have no mode there
 
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Mode and state, of full length, in which a motion sets out; `beyond` names a guard that forbids it."""
+    """Mode and state, of full length, in which a motion sets out; `beyond` names a guard that forbids it, and
+    `last` the transition that has led there."""
 
     mode: str
     state: np.ndarray
     beyond: str = ""
+    last: str | None = None
 
 
 def placed(
@@ -37,6 +43,7 @@ def placed(
     unpushed: np.ndarray,
     pushed: np.ndarray,
     ends: Collection[str] = (),
+    last: str | None = None,
 ) -> Place:
     """Where a motion sets out from a pushed state.
 
@@ -50,8 +57,13 @@ def placed(
         The state on the motion, and what the push makes of it.
     ends : collection of str
         Transitions that end a motion and lead nowhere: they are left to it.
+    last : str, optional
+        The one that has led to the state on the motion.
     """
     name, state = mode, machine.existing(mode, pushed)
+    back = _turned_back(machine, t, mode, unpushed, state, last)
+    if back is not None:
+        return Place(back.target, applied(machine, back, t, state), last=back.name)
     for _ in range(MOST_CHANGES):
         there = unpushed if name == mode else None
         following = next(_forced(machine, t, name, state, there, ends), None)
@@ -60,8 +72,29 @@ def placed(
         name, state = following
     else:
         return Place(mode, pushed, "no mode is left to be in")
-    beyond = _forbidden(machine, t, name, unpushed, state, ends) if name == mode else ""
-    return Place(name, state, beyond)
+    beyond = _forbidden(machine, t, name, unpushed, state, ends, last) if name == mode else ""
+    return Place(name, state, beyond, last if name == mode else None)
+
+
+def _turned_back(
+    machine: HybridMachine,
+    t: float,
+    mode: str,
+    unpushed: np.ndarray,
+    pushed: np.ndarray,
+    last: str | None,
+) -> Transition | None:
+    """The last event where it happens once more: its guard is zero still, and leaves it no longer."""
+    flow = machine.mode(mode)
+    for transition, guard in zip(flow.transitions, flow.guards, strict=True):
+        if transition.name == last and transition.role == "hard" and not guard.code.of_time_alone:
+            before, leaving, around = guard(t, unpushed[flow.states], flow.p).tolist()
+            value, rate, noise = guard(t, pushed[flow.states], flow.p).tolist()
+            enters = -1 if leaving > 0.0 else 1
+            known = guard.direction in (0, enters)
+            if known and rate * enters > 0.0 > leaving * enters and abs(value - before) <= noise + around:
+                return transition
+    return None
 
 
 def _forced(
@@ -120,23 +153,84 @@ def _forbidden(
     unpushed: np.ndarray,
     pushed: np.ndarray,
     ends: Collection[str],
+    last: str | None,
 ) -> str:
-    """Name of a transition whose guard the push has carried past zero; empty where there is none."""
+    """Name of a transition whose guard the push has carried past zero; empty where there is none.
+
+    Right after its own event a guard is zero, whatever the error of the state makes of it.
+    """
     flow = machine.mode(mode)
     for number, transition in enumerate(flow.transitions):
         acts = transition.role == "hard" and transition.name not in ends
         acts = acts and not flow.guards[number].code.of_time_alone
-        if acts and _carried_past(flow, number, transition, t, unpushed, pushed):
+        if not (acts and _carried_past(flow, number, transition.name == last, t, unpushed, pushed)):
+            continue
+        if not _goes_on(machine, flow, number, transition, t, unpushed, pushed):
             return transition.name
     return ""
 
 
 def _carried_past(
-    flow: ModeFlow, number: int, transition: Transition, t: float, unpushed: np.ndarray, pushed: np.ndarray
+    flow: ModeFlow, number: int, own: bool, t: float, unpushed: np.ndarray, pushed: np.ndarray
 ) -> bool:
     before, _, noise = flow.guards[number](t, unpushed[flow.states], flow.p).tolist()
     after = float(flow.guards[number](t, pushed[flow.states], flow.p)[0])
     direction = flow.guards[number].direction
+    if own:
+        before, after = 0.0, after - before
     if direction == 0:
         return before * after < 0.0 and abs(before) > noise
     return direction * before <= noise and direction * after > noise
+
+
+def _goes_on(
+    machine: HybridMachine,
+    flow: ModeFlow,
+    number: int,
+    transition: Transition,
+    t: float,
+    unpushed: np.ndarray,
+    pushed: np.ndarray,
+) -> bool:
+    """Whether a motion that meets a guard on the way of a push is past it, in the same mode, after the event.
+
+    What is pushed past a wall is nowhere. What is pushed past a place at which the machine is kicked, and
+    goes on, is where it often is.
+    """
+    if transition.target != transition.source:
+        return False
+    guard, ahead = flow.guards[number], pushed - unpushed
+    side = 1.0 if guard(t, pushed[flow.states], flow.p)[0] > 0.0 else -1.0
+    inner, outer = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (inner + outer)
+        past = side * guard(t, (unpushed + middle * ahead)[flow.states], flow.p)[0] > 0.0
+        inner, outer = (inner, middle) if past else (middle, outer)
+    met = _arriving(
+        flow, number, t, (unpushed + outer * ahead)[flow.states], side, float(np.linalg.norm(ahead))
+    )
+    if met is None:
+        return False
+    value, _, noise = guard(t, met, flow.p).tolist()
+    after = applied(machine, transition, t, machine.full(transition.source, met))
+    then, rate, around = guard(t, after[flow.states], flow.p).tolist()
+    return bool(side * then > around or (abs(then - value) <= noise + around and side * rate > 0.0))
+
+
+def _arriving(
+    flow: ModeFlow, number: int, t: float, zero: np.ndarray, side: float, size: float
+) -> np.ndarray | None:
+    """A state at which a guard is zero and goes to a side, off `zero`, shape (m,), by about `size` in what
+    changes its rate alone; None where nothing does."""
+    guard = flow.guards[number]
+    rate = float(guard(t, zero, flow.p)[1])
+    if side * rate > 0.0:
+        return zero
+    steps = STEP * np.maximum(np.abs(zero), size)
+    apart = [guard(t, zero + step, flow.p) - guard(t, zero - step, flow.p) for step in np.diag(steps)]
+    across, along = (np.array(apart)[:, :2] / (2.0 * steps[:, None])).T
+    along -= across * (along @ across) / max(float(across @ across), np.finfo(float).tiny)
+    steepness = float(np.linalg.norm(along))
+    if not steepness > STEP * abs(rate) / size:
+        return None
+    return np.asarray(zero + side * (abs(rate) / steepness + size) / steepness * along)

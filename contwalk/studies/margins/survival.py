@@ -100,12 +100,13 @@ class Survival:
     def followed(self, instant: Instant, push: np.ndarray) -> tuple[str, list[tuple[str, float]]]:
         """As `verdict` of what ends a motion early, and its hard events with their times."""
         pushed = instant.state + push
-        place = placed(self.machine, instant.time, instant.mode, instant.state, pushed, {self._falling})
+        begins = instant.time, instant.mode, instant.state
+        place = placed(self.machine, *begins, pushed, {self._falling}, instant.last or None)
         if place.beyond:
             return BEYOND, []
         # Where the mode stays the event has just happened, so that its guard is not asked again.
-        last = instant.last if instant.last and place.mode == instant.mode else None
-        return self.moved(Standpoint(instant.time, place.mode, place.state, last), self.rule.duration)
+        begin = Standpoint(instant.time, place.mode, place.state, place.last)
+        return self.moved(begin, self.rule.duration)
 
     def moved(self, begin: Standpoint, duration: float) -> tuple[str, list[tuple[str, float]]]:
         """As `followed`, from where a motion stands."""
