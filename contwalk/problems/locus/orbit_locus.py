@@ -136,7 +136,10 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         rows, sizes = np.abs(jacobian[self.plane.size :]), np.abs(z)
         typical = np.nan_to_num(self.magnitudes_near(z))
         level = SOLVED * self.mesh.tolerance * (rows @ np.maximum(typical, TINY))
-        return np.concatenate([there.linearize(own).levels[0], level + 8.0 * EPSILON * (rows @ sizes) + TINY])
+        system = self.condition.system
+        bordered = isinstance(system, augmented.Augmented) and not system.in_units  # then terms are of one
+        terms = rows @ sizes + float(bordered)
+        return np.concatenate([there.linearize(own).levels[0], level + 8.0 * EPSILON * terms + TINY])
 
     def errors_at(self, z: np.ndarray) -> np.ndarray:
         """Estimated error of each equation at a solution, that of the steps among them.
@@ -155,9 +158,16 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         return self._with_parameters(there.magnitudes_near(own), z)
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
-        """Typical magnitudes for the first corrections of a start, shape (N + k + 2,)."""
+        """Typical magnitudes for the first corrections of a start, shape (N + k + 2,).
+
+        Those of the parameters are no less than where the curve was made: one that happens to be zero would
+        be held, and where the curve turns in it the start would go back to the turn.
+        """
         there, own = self.plane.first(z)
-        return self._with_parameters(there.beginnings(own), z)
+        found = self._with_parameters(there.beginnings(own), z)
+        if self._near is not None:
+            found[-2:] = np.maximum(found[-2:], self.weights[-2:])
+        return found
 
     def sizes_since(self, sample: Sample, begun: Sample) -> np.ndarray:
         """What weights of the metric grow with, shape (N + k + 2,), on a curve that began elsewhere."""

@@ -103,6 +103,28 @@ class SectionMap(ABC):
         real = self.b(v.real, w.real) - self.b(v.imag, w.imag)
         return real + 1j * (self.b(v.real, w.imag) + self.b(v.imag, w.real))
 
+    def c_squared(self, q: np.ndarray) -> np.ndarray:
+        """C(q, q, q*) of a complex vector."""
+        r, i = q.real, q.imag
+        cubes = {s: self.curve(r * s[0] + i * s[1])[2] for s in ((1, 0), (0, 1), (1, 1), (1, -1))}
+        rri = (cubes[1, 1] - cubes[1, -1] - 2.0 * cubes[0, 1]) / 6.0
+        rii = (cubes[1, 1] + cubes[1, -1] - 2.0 * cubes[1, 0]) / 6.0
+        return np.asarray(cubes[1, 0] + rii + 1j * (rri + cubes[0, 1]))
+
+    def c_twice(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """C(v, w, w) of a complex and a real vector."""
+        parts = [
+            (self.curve(w + x)[2] - self.curve(w - x)[2] - 2.0 * self.curve(x)[2]) / 6.0
+            for x in (v.real, v.imag)
+        ]
+        return np.asarray(parts[0] + 1j * parts[1])
+
+    def c_cubed(self, q: np.ndarray) -> np.ndarray:
+        """C(q, q, q) of a complex vector."""
+        r, i = q.real, q.imag
+        once = self.c_twice(i + 0j, r).real, self.c_twice(r + 0j, i).real
+        return np.asarray(self.curve(r)[2] - 3.0 * once[1] + 1j * (3.0 * once[0] - self.curve(i)[2]))
+
 
 def units(system: System, states: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
     """What deviations of each state are measured in: half its range on the orbit, shape (n,).
@@ -143,38 +165,45 @@ def cusp(map_: SectionMap) -> dict[str, Any]:
 
 def flip(map_: SectionMap) -> dict[str, Any]:
     """c of xi -> -(1 + mu) xi + c xi^3: positive where the doubled orbit is stable beside a stable one."""
-    q, p = map_.critical(-1.0)
-    h = np.linalg.solve(np.eye(len(q)) - map_.a, map_.b(q, q))
     return {
-        "c": float(p @ map_.curve(q, h)[2]) / 6.0,
+        "c": cubic_of_flip(map_)[0],
         "convention": "return map xi -> -(1 + mu) xi + c xi^3, c = p.(C(q,q,q) + 3 B(q, (1 - A)^-1 "
         "B(q,q)))/6, "
         "|q| = 1 over the orbit, p.q = 1 (Kuznetsov 2004, section 5.4)",
     }
 
 
+def cubic_of_flip(map_: SectionMap) -> tuple[float, float]:
+    """c of a period doubling, and the size of the terms that it is the sum of."""
+    q, p = map_.critical(-1.0)
+    h = np.linalg.solve(np.eye(len(q)) - map_.a, map_.b(q, q))
+    third = map_.curve(q)[2]
+    total = map_.curve(q, h)[2]
+    return float(p @ total) / 6.0, float(np.abs(p) @ (np.abs(third) + np.abs(total - third))) / 6.0
+
+
 def torus(map_: SectionMap, theta: float) -> dict[str, Any]:
     """Re d of the normal form of a Neimark-Sacker point: negative where a stable torus surrounds."""
-    a, turn = map_.a, np.exp(1j * theta)
-    q, p = map_.critical(turn)
-    one = np.eye(len(q))
-    h11 = np.linalg.solve(one - a, map_.b_complex(q, q.conj()))
-    h20 = np.linalg.solve(turn**2 * one - a, map_.b_complex(q, q))
-    r, i = q.real, q.imag
-    cubes = {s: map_.curve(r * s[0] + i * s[1])[2] for s in ((1, 0), (0, 1), (1, 1), (1, -1))}
-    rri = (cubes[1, 1] - cubes[1, -1] - 2.0 * cubes[0, 1]) / 6.0
-    rii = (cubes[1, 1] + cubes[1, -1] - 2.0 * cubes[1, 0]) / 6.0
-    third = cubes[1, 0] + rii + 1j * (rri + cubes[0, 1])  # C(q, q, q*)
-    total = third + 2.0 * map_.b_complex(q, h11) + map_.b_complex(q.conj(), h20)
-    d = 0.5 * complex(np.conj(turn) * (p @ total))
     return {
-        "d": d.real,
+        "d": cubic_of_torus(map_, theta)[0].real,
         "theta": theta,
         "rotation_number": theta / (2.0 * np.pi),
         "convention": "Re d, d = exp(-i theta) p.(C(q,q,q*) + 2 B(q,(1-A)^-1 B(q,q*)) + "
         "B(q*,(exp(2 i theta)-A)^-1 B(q,q)))/2, |q| = 1 over the orbit, p.q = 1 "
         "(Kuznetsov 2004, section 5.4); theta in rad per closure",
     }
+
+
+def cubic_of_torus(map_: SectionMap, theta: float) -> tuple[complex, float]:
+    """d of a Neimark-Sacker point, and the size of the terms that it is the sum of."""
+    a, turn = map_.a, np.exp(1j * theta)
+    q, p = map_.critical(turn)
+    one = np.eye(len(q))
+    h11 = np.linalg.solve(one - a, map_.b_complex(q, q.conj()))
+    h20 = np.linalg.solve(turn**2 * one - a, map_.b_complex(q, q))
+    terms = [map_.c_squared(q), 2.0 * map_.b_complex(q, h11), map_.b_complex(q.conj(), h20)]
+    d = 0.5 * complex(np.conj(turn) * (p @ np.sum(terms, axis=0)))
+    return d, 0.5 * float(np.abs(p) @ np.sum(np.abs(terms), axis=0))
 
 
 def branch_point(map_: SectionMap, weight: float) -> dict[str, Any]:

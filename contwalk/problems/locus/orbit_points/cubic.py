@@ -23,6 +23,7 @@ FIFTH = "the coefficient of fifth order, which tells the sides, is not computed"
 # Cubic terms are cancelled by squares of quadratic ones: where deviations grow by more, as right beside a
 # grazing of the orbit's own event, rounding leaves nothing of the difference.
 MOST_GROWTH = 5e5
+UNKNOWN = float("nan"), 0.0
 
 
 class VanishingCubic(OrbitLocusPoint):
@@ -34,10 +35,11 @@ class VanishingCubic(OrbitLocusPoint):
         """The cubic coefficient; zero where it is no more than errors of the steps, NaN where there is none
         or rounding hides it.
 
-        Of area-preserving maps it is zero all along, and signs of errors tell nothing.
+        Of area-preserving maps it is zero all along, and signs of errors tell nothing. Beside strong
+        resonances its terms are large, and their errors with them.
         """
-        found = self._at(problem, sample.z)
-        return 0.0 if abs(found) <= max(VANISHES, known_to(problem)) else found
+        found, terms = self._with_terms(problem, sample.z)
+        return 0.0 if abs(found) <= max(VANISHES, known_to(problem)) * max(terms, 1.0) else found
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The point of the curve at which it vanishes."""
@@ -48,7 +50,11 @@ class VanishingCubic(OrbitLocusPoint):
         return None, self.coefficients(problem, located.z), FIFTH
 
     def _at(self, problem: Any, z: np.ndarray) -> float:
-        """The cubic coefficient, NaN where it is unknown, which is not zero.
+        """The cubic coefficient, NaN where it is unknown, which is not zero."""
+        return self._with_terms(problem, z)[0]
+
+    def _with_terms(self, problem: Any, z: np.ndarray) -> tuple[float, float]:
+        """The cubic coefficient, NaN where it is unknown, and the size of its terms.
 
         It has poles where other multipliers meet those of its equations, but on invariant faces none: they
         are told from zeros by what it does beside them, and nothing is multiplied by.
@@ -56,15 +62,15 @@ class VanishingCubic(OrbitLocusPoint):
         there, own = problem.plane.first(z)
         map_ = there.return_map(own)
         if float(np.linalg.norm(map_.a, 2)) > MOST_GROWTH:
-            return float("nan")
+            return UNKNOWN
         try:
             return self.cubic(problem, z, map_)
         except (NotFinite, np.linalg.LinAlgError):  # at a pole itself
-            return float("nan")
+            return UNKNOWN
 
     @abstractmethod
-    def cubic(self, problem: Any, z: np.ndarray, map_: SectionMap) -> float:
-        """The cubic coefficient; NaN where there is none.
+    def cubic(self, problem: Any, z: np.ndarray, map_: SectionMap) -> tuple[float, float]:
+        """The cubic coefficient, NaN where there is none, and the size of its terms.
 
         z has the shape (N + k + 2,).
         """
@@ -88,12 +94,12 @@ class GeneralizedDoubling(VanishingCubic):
         found: Sequence[Seed] = births.folds_of_doubled_orbits(problem, point)
         return found
 
-    def cubic(self, problem: Any, z: np.ndarray, map_: SectionMap) -> float:
+    def cubic(self, problem: Any, z: np.ndarray, map_: SectionMap) -> tuple[float, float]:
         """That of the return map's normal form.
 
         z has the shape (N + k + 2,).
         """
-        return float(normal_forms.flip(map_)["c"])
+        return normal_forms.cubic_of_flip(map_)
 
     def coefficients(self, problem: Any, z: np.ndarray) -> dict[str, Any]:
         """c.
@@ -109,13 +115,16 @@ class Chenciner(VanishingCubic):
 
     label = "CH"
 
-    def cubic(self, problem: Any, z: np.ndarray, map_: SectionMap) -> float:
+    def cubic(self, problem: Any, z: np.ndarray, map_: SectionMap) -> tuple[float, float]:
         """Re d; NaN of neutral saddles.
 
         z has the shape (N + k + 2,).
         """
         cosine = float(problem.further(z)[0])
-        return float(normal_forms.torus(map_, np.arccos(cosine))["d"]) if abs(cosine) < 1.0 else float("nan")
+        if not abs(cosine) < 1.0:
+            return UNKNOWN
+        d, terms = normal_forms.cubic_of_torus(map_, float(np.arccos(cosine)))
+        return d.real, terms
 
     def coefficients(self, problem: Any, z: np.ndarray) -> dict[str, Any]:
         """Re d, and the angle.

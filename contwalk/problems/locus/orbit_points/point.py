@@ -11,8 +11,10 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held, evaluated
+from contwalk.problems.orbit import normal_forms_of_codim_two
 from contwalk.problems.orbit.augmented import Augmented, along
 from contwalk.problems.orbit.multipliers import GLOBAL
+from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.problem import Located, PointType, Sample
 
 # How far along the curve a function is looked at for its slope, in the metric.
@@ -82,6 +84,32 @@ class OrbitLocusPoint(PointType):
             unknowns=tuple(z.tolist()),
             tangent=tuple(sample.tangent.tolist()),
         )
+
+
+FORMS: dict[str, Callable[[SectionMap], dict[str, Any]]] = {
+    "R1": normal_forms_of_codim_two.one_to_one,
+    "R2": normal_forms_of_codim_two.one_to_two,
+    "R3": normal_forms_of_codim_two.one_to_three,
+    "R4": normal_forms_of_codim_two.one_to_four,
+    "LPPD": normal_forms_of_codim_two.fold_and_flip,
+    "LPNS": normal_forms_of_codim_two.fold_and_torus,
+    "PDNS": normal_forms_of_codim_two.flip_and_torus,
+    "NSNS": normal_forms_of_codim_two.two_tori,
+}
+
+
+def normal_form(problem: Any, located: Located, label: str) -> dict[str, Any]:
+    """The coefficients of a located point of a label; none of points that have no such form.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError, NotFinite
+        Where the critical directions are not determined.
+    """
+    if label not in FORMS:
+        return {}
+    there, own = problem.plane.first(located.z)
+    return FORMS[label](there.return_map(own))
 
 
 def known_to(problem: Any) -> float:

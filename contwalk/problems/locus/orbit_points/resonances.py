@@ -10,7 +10,14 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.orbit_conditions import pair_system
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, known_to, near_of, together
+from contwalk.problems.locus.orbit_points.point import (
+    Form,
+    OrbitLocusPoint,
+    known_to,
+    near_of,
+    normal_form,
+    together,
+)
 from contwalk.problems.locus.orbit_points.switching import born
 from contwalk.problems.locus.orbit_points.turning_angle import SEMISIMPLE, TURNS_BACK, turning_angle
 from contwalk.problems.orbit.augmented import Augmented
@@ -40,6 +47,10 @@ class OnTori(OrbitLocusPoint):
             return np.append(found.residual, y[place] - self.cosine), np.vstack([found.jacobian, row])
 
         return Augmented(evaluate, sample.z, sample.weights, lambda there, y: {})
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The coefficients of the resonance."""
+        return None, normal_form(problem, located, self.label), None
 
 
 class R1OnTori(OnTori):
@@ -86,8 +97,10 @@ class R2OnTori(OnTori):
         return near.tangent if "turning" in located.vectors else None
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """What is special of one at which the angle turns back."""
-        return (SEMISIMPLE, {}, TURNS_BACK) if "turning" in located.vectors else (None, {}, None)
+        """The coefficients, or what is special of one at which the angle turns back."""
+        if "turning" in located.vectors:
+            return SEMISIMPLE, {}, TURNS_BACK
+        return super().form(problem, located, sample)
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of doublings, where there is one."""
@@ -123,6 +136,10 @@ class SecondMultiplier(OrbitLocusPoint):
         near = near_of(problem, sample, own)
         pair = pair_system(there, near, self.multiplier, held=True)
         return together(problem, sample, [Held(pair, np.zeros(0, dtype=int))], np.zeros(0))
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The coefficients of the resonance."""
+        return None, normal_form(problem, located, self.label), None
 
     def critical(self, point: SpecialPoint, sample: Sample) -> complex:
         """The multiplier that arrives."""

@@ -17,6 +17,7 @@ from contwalk.problems.locus.orbit_points.point import (
     OrbitLocusPoint,
     known_to,
     near_of,
+    normal_form,
     together,
     where_zero,
 )
@@ -88,8 +89,10 @@ class TwoAtOnce(OrbitLocusPoint):
         return point.label == self.label and point.kind not in ("resonant", BRANCH_POINT)
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """Of grazings the kind: both curves cross."""
-        return ("interior" if self.label.startswith("GR") else None), {}, None
+        """The coefficients; of grazings the kind: both curves cross."""
+        if self.label.startswith("GR"):
+            return "interior", {}, None
+        return None, normal_form(problem, located, self.label), None
 
 
 class ResonantGrazing(TwoAtOnce):

@@ -1,0 +1,93 @@
+"""All curves of a study of maps as machines, with the normal forms of their resonances.
+
+Henon's map preserves areas at beta = 1, where all its resonances are: their normal forms degenerate as told.
+"""
+
+from __future__ import annotations
+
+import pytest
+from hybrid_runs import branch_of
+from loci_of_orbits import FINE, henon_fixed_point, labels, map_as_machine, studied
+from small_systems import labelled
+
+import contwalk as cw
+
+pytestmark = pytest.mark.slow
+
+PLUGIN = """
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def still(t, x, p, dx):
+    dx[0] = 0.0 * x[0]
+    dx[1] = 0.0 * x[1]
+
+def clock(t, x, p):
+    return (t % 1.0) - 0.5
+
+def kick(t, x, p, x_plus):
+    x_plus[0] = x[1]
+    x_plus[1] = p.alpha - p.beta * x[0] - x[1] ** 2
+
+SYSTEM = System(
+    "henon",
+    states=(State("x", scale=1.0), State("y", scale=1.0)),
+    parameters=(Parameter("alpha", 0.5), Parameter("beta", 0.3)),
+    modes=(Mode("still", still),),
+    transitions=(Transition("kick", "still", "still", clock, "rising", reset=kick),),
+    period=lambda p: 1.0,
+)
+"""
+X = henon_fixed_point(0.5, 0.3)
+RUN = f"""
+system: ./henon.py
+accuracy: 1e-10
+start: {{simulate: {{state: {{x: {X}, y: {X}}}, until: 0}}}}
+continue: {{parameter: alpha, range: [-1.5, 3.5]}}
+loci: {{with: beta, range: [-1.5, 1.8], of: all, follow: all}}
+diagram: none
+output: henon.h5
+"""
+
+
+@pytest.fixture(scope="module")
+def curves(tmp_path_factory) -> dict[str, cw.branch.Branch]:
+    _, branches, _ = studied(tmp_path_factory.mktemp("maps"), "henon", PLUGIN, RUN)
+    return {b.info.settings["of"]: b for b in branches if b.info.problem == "locus"}
+
+
+def test_each_point_is_found_on_both_of_its_curves_and_no_other(curves) -> None:
+    """Right at beta = -1 the curves of folds and doublings touch, where alpha turns on both."""
+    assert {of: labels(curve) for of, curve in curves.items()} == {
+        "LP": ["LPPD", "R1"],
+        "PD": ["LPPD", "R2"],
+        "NS": ["R1", "R2", "R3", "R4"],
+    }
+
+
+def test_normal_forms_where_areas_are_preserved(curves) -> None:
+    forms = {p.label: p.coefficients for p in curves["NS"].special_points}
+    assert forms["R1"]["b"] == pytest.approx(2.0 * forms["R1"]["a"], rel=1e-9)
+    assert forms["R1"]["s"] == 0.0
+    assert forms["R2"]["d"] == pytest.approx(-3.0 * forms["R2"]["c"], rel=1e-9)
+    assert forms["R3"]["a"] == pytest.approx(0.0, abs=1e-9)
+    assert (forms["R4"]["A_real"], forms["R4"]["A_imag"]) == pytest.approx((0.0, -1.0), abs=1e-9)
+
+
+def test_normal_forms_are_the_same_from_both_curves(curves) -> None:
+    for label, one, other in (("R1", "LP", "NS"), ("R2", "PD", "NS"), ("LPPD", "LP", "PD")):
+        (a,), (b,) = (labelled(curves[of], label) for of in (one, other))
+        assert len(a.coefficients) > 2
+        for name, value in a.coefficients.items():
+            if name != "convention":
+                assert b.coefficients[name] == pytest.approx(value, rel=1e-7, abs=1e-9)
+
+
+def test_a_cusp_at_zero_is_known_no_better_than_the_multiplier_one() -> None:
+    system = map_as_machine(
+        lambda x, p: (x[0] + p.mu + p.nu * x[0] - x[0] ** 3,), "x", {"mu": 0.0, "nu": 0.3}
+    )
+    branch = branch_of(system, "mu", (-0.5, 0.5), [0.3**0.5])
+    curve = cw.continue_locus(system, branch, "LP1", {"mu": (-0.5, 0.5), "nu": (-0.1, 0.6)}, **FINE)
+    (point,) = labelled(curve, "CPC")
+    assert abs(point.parameters["nu"]) <= point.errors["nu"]
+    assert 2.0**-53 <= point.errors["nu"] < 1e-14
