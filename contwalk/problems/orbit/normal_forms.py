@@ -104,7 +104,7 @@ class SectionMap(ABC):
         return real + 1j * (self.b(v.real, w.imag) + self.b(v.imag, w.real))
 
     def c_squared(self, q: np.ndarray) -> np.ndarray:
-        """C(q, q, q*) of a complex vector."""
+        """C(q, q, q*) of a complex vector of shape (r,)."""
         r, i = q.real, q.imag
         cubes = {s: self.curve(r * s[0] + i * s[1])[2] for s in ((1, 0), (0, 1), (1, 1), (1, -1))}
         rri = (cubes[1, 1] - cubes[1, -1] - 2.0 * cubes[0, 1]) / 6.0

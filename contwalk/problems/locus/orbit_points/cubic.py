@@ -50,7 +50,7 @@ class VanishingCubic(OrbitLocusPoint):
         return None, self.coefficients(problem, located.z), FIFTH
 
     def _at(self, problem: Any, z: np.ndarray) -> float:
-        """The cubic coefficient, NaN where it is unknown, which is not zero."""
+        """The cubic coefficient, NaN where it is unknown, which is not zero; z has the shape (N + k + 2,)."""
         return self._with_terms(problem, z)[0]
 
     def _with_terms(self, problem: Any, z: np.ndarray) -> tuple[float, float]:
