@@ -357,14 +357,14 @@ class _Recorder:
 
     def _check_accuracy(self, info: BranchInfo, point: SpecialPoint) -> None:
         """Say where a point is known less well than was asked for."""
-        told = point.parameters[info.free[0]]
-        value = abs(told)
+        place = point.parameters[info.free[0]]
+        value = abs(place)
         if point.status != "located" or point.error is None:
             return
         if point.error > allowed_error(self.accuracy, value, point.error, self._magnitude):
             share = f", which is {point.error / value:.1e} of it" if value > 0.0 else ""
             text = (
-                f"{info.name}: {point.label} at {info.free[0]} = {told:.10g} is known only to "
+                f"{info.name}: {point.label} at {info.free[0]} = {place:.10g} is known only to "
                 f"{point.error:.1e}{share}: more than the accuracy of {self.accuracy:g} that was asked for."
             )
             self.note(f"accuracy {info.name} {point.label} {point.s!r}", text)
