@@ -40,6 +40,8 @@ MOST_REFINEMENTS = 4
 MOVED, MOVED_ALONG = 1e-2, 0.3
 # Along such a branch: steps at most, their length, and how near to the zero they end.
 MOST_MOVES, LONGEST, NEAREST = 100, 5e-3, 1e-8
+# Displacement along the branch, in the metric, for the rate of a function that has no derivatives.
+BESIDE = 1e-4
 
 # residual (N + r,) and Jacobian (N + r, N + 1 + r') of an augmented system at its unknowns
 Evaluate = Callable[["OrbitData", np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -282,3 +284,15 @@ def along(sample: Sample, value: Callable[[OrbitData, np.ndarray], float], slope
         return residual, np.vstack([linearization.jacobian, gradient])
 
     return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {}, in_units=True)
+
+
+def where_zero(
+    problem: OrbitData, sample: Sample, value: Callable[[OrbitData, np.ndarray], float]
+) -> Augmented | None:
+    """F = 0 and a function of orbits that passes zero along the branch near a sample.
+
+    Its rate is the difference of the motions displaced along the tangent to both sides; None where there is
+    none, as at an extremum.
+    """
+    ahead, behind = (value(problem, sample.z + h * sample.tangent) for h in (BESIDE, -BESIDE))
+    return along(sample, value, (ahead - behind) / (2.0 * BESIDE))

@@ -12,15 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.problems.orbit import normal_forms, variations
-from contwalk.problems.orbit.augmented import Augmented, Near, along
+from contwalk.problems.orbit.augmented import Augmented, Near, where_zero
 from contwalk.problems.orbit.describing import Form
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
 from contwalk.problems.problem import Located, Sample, Test
-
-# Displacement along the branch, in the metric, for the rate of a multiplier.
-BESIDE = 1e-4
 
 
 class FlatFold(OrbitPoint):
@@ -79,9 +76,7 @@ def _flat_fold(problem: OrbitData, sample: Sample) -> Augmented | None:
         nearest = complex(found[int(np.argmin(np.abs(found - 1.0)))])
         return float(np.log(nearest.real)) if nearest.imag == 0.0 < nearest.real else float("nan")
 
-    aside = BESIDE * sample.tangent
-    slope = (value(problem, sample.z + aside) - value(problem, sample.z - aside)) / (2.0 * BESIDE)
-    system = along(sample, value, slope)
+    system = where_zero(problem, sample, value)
     # On other steps the branch is as far along as errors of the steps are worth, where the multiplier is
     # another by far.
     return None if system is None else replace(system, across=sample.tangent / sample.weights**2)
