@@ -7,6 +7,7 @@ record with what is known about it.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -294,7 +295,7 @@ def along(rows: np.ndarray) -> np.ndarray:
 
 def named(special_points: list[SpecialPoint], points: np.ndarray) -> list[SpecialPoint]:
     """Special points in their order along the branch, with names counted along it and their rows."""
-    counts: dict[str, int] = dict.fromkeys(EVERY_MEANING, 0)
+    counts: Counter[str] = Counter()  # labels of a later version too
     taken: set[int] = set()
     result = []
     for point in sorted(special_points, key=lambda q: q.s):

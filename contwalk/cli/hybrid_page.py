@@ -62,9 +62,10 @@ def _meaning(point: SpecialPoint, own: MarginFact | None, system: System | None)
     """A limit in a sentence."""
     name = f"'{own.name}'" if own is not None else "a guard"
     if point.label == "GR" and point.kind == "terminal":
+        guard = "the guard that ends a segment" + (f", {name}," if own is not None else "")
         return (
-            f"the guard that ends a segment, {name}, is touched before its end, or arrives there without "
-            "speed; where it passes zero there, the segment ends earlier."
+            f"{guard} is touched before its end, or arrives there without speed; where it passes zero there, "
+            "the segment ends earlier."
         )
     if point.label == "GR":
         about = _about(system, own.name if own is not None else "")

@@ -56,15 +56,15 @@ def limit(point: LimitType, kind: str | None, asked: str, words: str) -> Outcome
     if asked == "switch":
         return Outcome("complete", reason, words)
     if kind == "terminal":
-        words += " Beyond it that event happens earlier, and no orbit of this signature is the machine's."
-    ways = [] if kind == "terminal" else [f"past it with --set events.{label}=ignore"]
+        words += (
+            " What solves the equations beyond it passes that guard earlier: no orbit of this signature "
+            "is the machine's."
+        )
+    ways = [] if kind == "terminal" else [f"--set events.{label}=ignore goes on past it"]
     # A limit that is told under another label is one of a curve: no other curve is begun at it.
-    ways += (
-        []
-        if point.declared or point.like
-        else [f"to orbits of another signature with --set events.{label}=switch"]
-    )
-    return Outcome("stopped", reason, f"{words} To go on {', or '.join(ways)}.")
+    if not (point.declared or point.like):
+        ways.append(f"--set events.{label}=switch goes on to orbits of another signature")
+    return Outcome("stopped", reason, " ".join([words, *(f"{way}." for way in ways)]))
 
 
 def max_points(number: int) -> Outcome:

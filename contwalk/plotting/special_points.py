@@ -46,6 +46,8 @@ MARKERS: dict[str, Any] = {
     "GRGR": (10, 1, 0),
     "GRD": (5, 2, 0),
 }
+# Of a kind that has none here, as one of a later version.
+OTHER = (5, 0, 180)
 # Points wide; equal numbers do not look equally large for all shapes.
 SIZES = {"EP": 5.0, "GR": 8.5, "PD": 5.0, "LP": 5.2}
 SIZE = 6.0
@@ -55,7 +57,7 @@ def marker(label: str, color: str, *, located: bool = True, size: float | None =
     """Properties of the line artist that marks a special point."""
     return {
         "linestyle": "none",
-        "marker": MARKERS[label],
+        "marker": MARKERS.get(label, OTHER),
         "markersize": size or SIZES.get(label, SIZE),
         "markerfacecolor": color if located else "white",
         "markeredgecolor": INK if located else color,
@@ -67,11 +69,11 @@ def marker(label: str, color: str, *, located: bool = True, size: float | None =
 def legend_entries(points: Sequence[SpecialPoint]) -> list[Line2D]:
     """One entry for each label that occurs, with its meaning, and one for hollow markers if there are any."""
     entries = []
-    for label in EVERY_MEANING:
+    for label in dict.fromkeys([*EVERY_MEANING, *(point.label for point in points)]):
         alike = [point for point in points if point.label == label]
         if alike:
             located = any(point.status == "located" for point in alike)
-            meaning = f"{label}  {EVERY_MEANING[label]}"
+            meaning = f"{label}  {EVERY_MEANING.get(label, '')}".rstrip()
             entries.append(Line2D([], [], label=meaning, **marker(label, GREY, located=located)))
     if any(point.status != "located" for point in points):
         entries.append(Line2D([], [], label="hollow: not located", **marker("HB", GREY, located=False)))

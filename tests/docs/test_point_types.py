@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from types import ModuleType
 
+import numpy as np
 import pytest
 from code_blocks import blocks
-from small_systems import labelled, small_problem
+from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
 from contwalk.labels import MEANINGS
 from contwalk.plotting import special_points
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.studies.comparison import AGREES
 from contwalk.studies.verification import compared
 
@@ -25,16 +27,28 @@ def saddle(t, x, p, dx):
     dx[1] = x[1]
 
 
+def spiral(t, x, p, dx):
+    """As the page says: multipliers exp(-4 pi / 5) and exp(2 pi a) of the unit circle."""
+    growth = 0.2 * (1.0 - x[0] ** 2 - x[1] ** 2)
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = growth * x[1] + x[0]
+    dx[2] = p.a * x[2] + 0.1 * x[0]
+
+
+def made(block, name):
+    """A kind that a block of the page declares."""
+    module = ModuleType(name)
+    exec(compile(blocks(PAGE, "python")[block], PAGE, "exec"), module.__dict__)
+    return getattr(module, name)()
+
+
 @pytest.fixture
 def kind(monkeypatch):
     """The kind of the page, its label and its marker, added as the page says."""
-    (text,) = blocks(PAGE, "python")
-    module = ModuleType("neutral_equilibrium")
-    exec(compile(text, PAGE, "exec"), module.__dict__)
-    found = module.NeutralEquilibrium()
+    found = made(0, "NeutralEquilibrium")
     monkeypatch.setattr(Equilibrium, "point_types", (*Equilibrium.point_types, found))
     monkeypatch.setitem(MEANINGS, "NE", "neutral equilibrium")
-    monkeypatch.setitem(special_points.MARKERS, "NE", "d")
+    monkeypatch.setitem(special_points.MARKERS, "NE", (6, 0, 30))
     return found
 
 
@@ -63,6 +77,33 @@ def test_one_that_cannot_be_located_is_told(kind, monkeypatch):
     assert point.status == "unlocated"
     assert "passes zero, but none is found" in point.note
     assert branch.outcome.reason == "bound"
+
+
+@pytest.fixture
+def cycles(monkeypatch):
+    """The page's kind of orbits, with neither label nor marker."""
+    monkeypatch.setattr(PeriodicOrbit, "point_types", (*PeriodicOrbit.point_types, made(1, "NeutralCycle")))
+    system = small_system(spiral, "xyz", {"a": 0.3})
+    orbit = cw.PeriodicOrbit(system, {"a": 0.3}, "a")
+    return cw.continue_branch(orbit, [1.0, 0.0, 0.0], (0.2, 0.6), period=2.0 * np.pi)
+
+
+def test_the_kind_of_orbits_of_the_page_is_found(cycles):
+    (point,) = labelled(cycles, "NC")
+    assert (point.name, point.status) == ("NC1", "located")
+    assert abs(point.parameters["a"] - 0.4) <= point.error
+    assert point.error < 1e-8 * 0.4  # the accuracy that is asked for
+    assert point.coefficients["largest"] == pytest.approx(np.exp(0.8 * np.pi), rel=1e-7)
+    assert labelled(cycles, "EP")[-1].parameters["a"] == 0.6
+    system = small_system(spiral, "xyz", {"a": 0.3})
+    assert compared(system, cycles, point, Discretization()).verdict == AGREES
+
+
+def test_a_label_without_a_meaning_is_drawn_and_told_all_the_same(cycles):
+    """As a database has it that somebody's changed contwalk has written."""
+    (point,) = labelled(cycles, "NC")
+    assert [entry.get_label() for entry in special_points.legend_entries([point])] == ["NC"]
+    assert "NC1" in repr(point)
 
 
 def test_a_problem_without_it_has_no_such_point():

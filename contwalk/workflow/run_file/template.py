@@ -173,6 +173,8 @@ def _start_lines(system: System, values: Mapping[str, float]) -> list[str]:
         ]
     return [
         f"# states: {units}; a guess near an equilibrium is enough",
+        "# or begin where a motion settles, at rest or on an orbit: "
+        "{simulate: {state: {...}, until: settled}}",
         f"start: {{state: {state}}}",
     ]
 
