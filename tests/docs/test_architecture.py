@@ -22,6 +22,7 @@ PAGES = (PAGE, *(ROOT / "docs" / "howto").glob("*.md"), ROOT / "docs" / "theory.
 MADE = {
     "contwalk/flow/classical.py",
     "contwalk/problems/equilibrium/points/neutral_equilibrium.py",
+    "contwalk/problems/orbit/points/neutral_cycle.py",
     "contwalk/storage/json_lines.py",
 }
 PACKAGE = ROOT / "contwalk"
