@@ -289,7 +289,7 @@ def along(sample: Sample, value: Callable[[OrbitData, np.ndarray], float], slope
 def where_zero(
     problem: OrbitData, sample: Sample, value: Callable[[OrbitData, np.ndarray], float]
 ) -> Augmented | None:
-    """F = 0 and a function of orbits that passes zero along the branch near a sample.
+    """F = 0 and a function of an orbit and its unknowns (N + 1,) that passes zero near a sample.
 
     Its rate is the difference of the motions displaced along the tangent to both sides; None where there is
     none, as at an extremum.
