@@ -232,8 +232,8 @@ def _only_noise(segment: Segment, low: float, high: float) -> bool:
     share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
     if segment.problem.meshed is None or share > float(errors.sum()) / max(segment.length, 1e-300):
         return False
-    certain = all(np.all(np.abs(end.measures) > end.errors) for end in ends)
-    return certain and ends[0].unstable == ends[1].unstable
+    certain = [np.abs(end.measures) > end.errors for end in ends]
+    return ends[0].unstable == ends[1].unstable and bool(np.all(certain[0] == certain[1]))
 
 
 def _with_its_fold(segment: Segment, low: float, high: float, point: Found) -> list[Found]:

@@ -70,12 +70,21 @@ def test_a_parameter_that_errors_of_the_steps_alone_turn_has_no_fold():
 
 @pytest.mark.parametrize(
     ("turn", "value", "off"),
-    [(1e-8, -0.9, 1e-9), (1e-3, -0.9, 1e-7), (1e-8, -1e-15, 1e-7)],
-    ids=["more than errors", "a turn to be seen", "a critical eigenvalue"],
+    [
+        (1e-8, lambda z: -0.9, 1e-9),
+        (1e-3, lambda z: -0.9, 1e-7),
+        (1e-8, lambda z: -1e-15 if z[0] < 0.0 else -0.9, 1e-7),
+    ],
+    ids=["more than errors", "a turn to be seen", "an eigenvalue that becomes critical"],
 )
 def test_any_other_turn_without_a_fold_is_a_disagreement(turn, value, off):
     with pytest.raises(Disagreement, match="The parameter turns, but no fold is found"):
-        bifurcations(hardly_turning(turn, lambda z: [value], off))
+        bifurcations(hardly_turning(turn, lambda z: [value(z)], off))
+
+
+def test_a_family_that_stands_still_has_no_fold():
+    """As where a machine conserves something at one value of its parameter: one eigenvalue is critical on."""
+    assert bifurcations(hardly_turning(1e-8, lambda z: [-1e-15], 1e-7)) == []
 
 
 def test_both_folds_of_a_segment_that_turns_twice_need_a_shorter_one():

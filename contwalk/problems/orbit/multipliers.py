@@ -27,6 +27,10 @@ LITTLE = 1e-6
 PAIRED = 1e-7
 # With a smaller share of the parameter in its tangent a family keeps it, as well as orbits are known.
 STILL = 1e-7
+# Noise of it is up to so many times what a solution is not known to in the metric, and never more than this.
+OFTEN, FAINT = 10.0, 1e-3
+# The family's own multiplier is that near to one, in units of what it is known to.
+SAFELY = 3.0
 # No size is smaller.
 LEAST = 1e-300
 
@@ -87,17 +91,28 @@ class Multipliers:
         errors = np.maximum(self.errors, error)
         return replace(self, errors=errors, accuracy=max(self.accuracy, error), accuracies=each)
 
-    def beside(self, share: float) -> Multipliers:
+    def beside(self, share: float, error: float, trivial: float) -> Multipliers:
         """The same on a family along which the parameter has this share of the unit tangent.
 
         Where the parameter stands still one multiplier is 1, the family's own: what it differs by is errors
         of the steps, and so is what share there is. It counts as at the neighbouring point.
+
+        Parameters
+        ----------
+        share : float
+        error : float
+            Of the solution in the metric: so much, about, of the share is noise.
+        trivial : float
+            What the flow's own multiplier differs from 1 by.
         """
-        if abs(share) > STILL:
+        if abs(share) > max(STILL, min(OFTEN * error, FAINT)):
             return self
-        known = self.accuracy if self.accuracies is None else self.accuracies
-        own = (np.abs(self.values - 1.0) <= known) & (self.values.imag == 0.0)
-        return replace(self, errors=np.where(own, np.maximum(self.errors, known), self.errors))
+        known = np.maximum(self.accuracy if self.accuracies is None else self.accuracies, 2.0 * trivial)
+        off = np.abs(self.values - 1.0)
+        own = (off <= SAFELY * known) & (self.values.imag == 0.0)
+        return replace(
+            self, errors=np.where(own, np.maximum(self.errors, np.maximum(known, off)), self.errors)
+        )
 
     def unstable(self, before: int | None) -> int:
         """Number of multipliers outside the unit circle.

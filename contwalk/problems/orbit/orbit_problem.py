@@ -150,11 +150,11 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
         jacobian = linearization.jacobian
         trivial = monodromy.trivial_error(self, z, jacobian)
         found = monodromy.doubted(self, self.multipliers(z, jacobian), trivial, jacobian)
-        found = found.beside(float(unit[-1] / weights[-1]))
-        met = kinks_along(self, z) if known is None else known.kinks
-        refuse(met)
         errors = equations.errors(self, linearization)
         orientation, error = linearization.orientation_and_error(unit, weights, errors)
+        found = found.beside(float(unit[-1] / weights[-1]), *np.nan_to_num([error, trivial], posinf=0.0))
+        met = kinks_along(self, z) if known is None else known.kinks
+        refuse(met)
         # The flow's own multiplier is one exactly: what it misses by, the others may.
         accurate = replace(found, accuracy=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial))))
         told: dict[str, Any] = {"spectrum_error": accurate.accuracy}

@@ -159,7 +159,10 @@ def _limit(problem: OrbitData, which: int, a: Sample, b: Sample) -> tuple[float,
         last = place
         far = abs(float(last.z[which] - begun.z[which])) > BEYOND * straight
         if np.isfinite(error) and far and float(last.z[which] / begun.z[which]) > GROWN:
-            return limit, error
+            # A parameter that has stood still all the way, as where a machine conserves something, has no
+            # slope that falls: what it seems to be are errors.
+            way = abs(float(begun.z[-1]) - limit)
+            return (limit, error) if way > KNOWN * (error + begun.error) else None
     return None
 
 
