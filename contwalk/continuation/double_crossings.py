@@ -64,22 +64,29 @@ def _between_one_and_minus_one(segment: Segment) -> float | None:
         If it goes by zero, and the count is that of the ends all the way.
     """
     a, b = segment.a, segment.b
-    # Of orbits with events it changes sides by a pole as well, where one is grazed.
-    if segment.problem.meshed is None or segment.problem.limited is not None:
-        return None
-    which = _changes_sides(a, b)
+    which = None if segment.problem.meshed is None else _changes_sides(a, b)
     if which is None:
         return None
     ends = float(a.eigenvalues[which].real), float(b.eigenvalues[which].real)
+    largest = 0.0
 
     def value(theta: float) -> float:
         return float(segment.at(theta).eigenvalues[which].real)
 
     def attempt(theta: float, left: float, right: float) -> float | None:
+        nonlocal largest
+        largest = max(largest, abs(value(theta)))
         return theta if segment.at(theta).unstable != a.unstable else None
 
-    found = narrow(value, 0.0, 1.0, *ends, attempt, width=NARROW)
-    if found is None:
+    try:
+        found = narrow(value, 0.0, 1.0, *ends, attempt, width=NARROW)
+    except LostBranch:
+        if segment.problem.limited is None:
+            raise
+        return None  # a limit may lie there, which is looked for by itself
+    # Of an orbit with events it changes sides by a pole as well, where one is grazed: it passes neither then.
+    by_a_pole = segment.problem.limited is not None and largest > max(abs(end) for end in ends)
+    if found is None and not by_a_pole:
         kind = kind_of_test(segment.problem, Test.TURN)
         raise Disagreement(kind, "A multiplier goes from beyond 1 to beyond -1, and neither is seen.")
     return found

@@ -91,7 +91,7 @@ class Multipliers:
         errors = np.maximum(self.errors, error)
         return replace(self, errors=errors, accuracy=max(self.accuracy, error), accuracies=each)
 
-    def beside(self, share: float, error: float, trivial: float) -> Multipliers:
+    def beside(self, share: float, error: float = 0.0, trivial: float = 0.0) -> Multipliers:
         """The same on a family along which the parameter has this share of the unit tangent.
 
         Where the parameter stands still one multiplier is 1, the family's own: what it differs by is errors
