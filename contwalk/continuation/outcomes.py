@@ -67,11 +67,10 @@ def limit(point: LimitType, kind: str | None, asked: str, words: str) -> Outcome
     return Outcome("stopped", reason, " ".join([words, *(f"{way}." for way in ways)]))
 
 
-def max_points(number: int) -> Outcome:
-    """The limit of points was reached."""
-    return Outcome(
-        "stopped", "max_points", f"Reached max_points = {number}. Raise it and continue from the last point."
-    )
+def max_points(number: int, growth: str = "") -> Outcome:
+    """The limit of points was reached; `growth` is a sentence on what has made steps short."""
+    words = f"Reached max_points = {number}. Raise it and continue from the last point."
+    return Outcome("stopped", "max_points", f"{words} {growth}".rstrip())
 
 
 def interrupted() -> Outcome:

@@ -69,7 +69,7 @@ def walk(
         while True:
             taken: Step | None = None
             before = _effort(problem)
-            if outcome := _finished(state, number, points, settings, observer):
+            if outcome := _finished(problem, state, number, points, settings, observer):
                 back = _back(problem, state, settings, sign, outcome)
                 if back is None:
                     break
@@ -145,11 +145,16 @@ def _back(
 
 
 def _finished(
-    state: ContinuationState, number: int, points: int, settings: Settings, observer: Observer
+    problem: Problem,
+    state: ContinuationState,
+    number: int,
+    points: int,
+    settings: Settings,
+    observer: Observer,
 ) -> Outcome | None:
     """Why not to take another step, if there is a reason."""
     if number >= points:
-        return outcomes.max_points(settings.max_points)
+        return outcomes.max_points(settings.max_points, problem.diagnosis.growth(state.sample.z))
     place = state.bound_at(settings)
     if place is not None:
         return outcomes.bound(observer.line.names[-1 - place], float(state.sample.z[place]))

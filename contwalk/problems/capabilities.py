@@ -107,6 +107,13 @@ class Diagnosis(Protocol):
         """
         ...
 
+    def growth(self, z: np.ndarray) -> str:
+        """By how much deviations grow where that makes steps short, and what helps; empty where they do not.
+
+        z has the shape (N + 1,).
+        """
+        ...
+
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
         """Where the equations change their piece on the straight way from a solution to another z, which
         need not be one, in their order: what no solution tells of itself, and where a branch may end.

@@ -160,6 +160,9 @@ class MadeUp(OwnMeasures):
     def obstacle(self, z: np.ndarray) -> str:
         return ""
 
+    def growth(self, z: np.ndarray) -> str:
+        return ""
+
     def explain(self, z: np.ndarray) -> str:
         return "the made-up equations"
 

@@ -46,6 +46,22 @@ STUDIES = {
         "diagram": {"follow": ["HB"], "depth": 1},
         "mark": {"delta": [0.0055]},
     },
+    # Legs between impacts are solved on either kind of steps; a period doubling lies on the way.
+    "gait of the planar walker": {
+        "system": "planar_walker",
+        "parameters": {"alpha": 0.09},
+        "start": {
+            "simulate": {
+                "state": {"q1": -0.5196, "q2": 0.1528388, "u1": -1.933, "u2": -2.037},
+                "at": "heel_strike",
+                "until": "settled",
+            }
+        },
+        "continue": {"parameter": "alpha", "range": [0.09, 0.1], "direction": "forward"},
+        "diagram": "none",
+        "mark": {"alpha": [0.095]},
+        "events": {"GR": "ignore"},
+    },
     "first doubling of Lorenz' cycle": {
         "system": "lorenz.py",
         "start": {"simulate": {"state": {"x": 10.0, "y": 10.0, "z": 100.0}, "until": "settled"}},

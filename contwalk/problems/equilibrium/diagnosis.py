@@ -71,6 +71,10 @@ class EquilibriumDiagnosis:
         field = problem.system.modes[0].field
         return first_not_finite(field, 0.0, z[: problem.states].tolist(), problem.values_of(z))
 
+    def growth(self, z: np.ndarray) -> str:
+        """Nothing grows: an equilibrium is one state. z has the shape (N + 1,)."""
+        return ""
+
     def obstacle(self, z: np.ndarray) -> str:
         """Nothing is known of what keeps a branch from going on at z, shape (N + 1,)."""
         return ""

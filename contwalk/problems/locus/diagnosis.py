@@ -33,6 +33,10 @@ class LocusDiagnosis:
         """Where in the plugin a residual at z, shape (N + 1,), is not finite."""
         return EquilibriumDiagnosis(self.problem.plane).explain(self.problem.in_plane(z))
 
+    def growth(self, z: np.ndarray) -> str:
+        """Nothing is told of curves. z has the shape (N + 1,)."""
+        return ""
+
     def obstacle(self, z: np.ndarray) -> str:
         """Nothing is known of what keeps a curve from going on at z, shape (N + 1,)."""
         return ""

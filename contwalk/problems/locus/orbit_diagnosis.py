@@ -97,6 +97,10 @@ class OrbitLocusDiagnosis:
         there, own = self._plane.first(z)
         return str(there.diagnosis.explain(own))
 
+    def growth(self, z: np.ndarray) -> str:
+        """Nothing is told of curves. z has the shape (N + 1,)."""
+        return ""
+
     def obstacle(self, z: np.ndarray) -> str:
         """What makes orbits beside z hard to find, and what helps; empty if nothing is known of that.
 

@@ -25,6 +25,10 @@ class OrbitDiagnosis(ABC):
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does."""
 
+    def growth(self, z: np.ndarray) -> str:
+        """Nothing is told of orbits with events but where they cannot go on. z has the shape (N + 1,)."""
+        return ""
+
     @abstractmethod
     def obstacle(self, z: np.ndarray) -> str:
         """What makes orbits beside z hard to find, and what helps; empty if nothing is known of that.

@@ -38,13 +38,23 @@ class SmoothDiagnosis(OrbitDiagnosis):
         """
         orbit = self._smooth
         met = kinks_along(orbit, z)
-        if met:
-            return met[0].sentence("orbits")
+        return met[0].sentence("orbits") if met else self.growth(z)
+
+    def growth(self, z: np.ndarray) -> str:
+        """By how much deviations grow over a segment where that is too much, and what helps.
+
+        z has the shape (N + 1,).
+        """
+        orbit = self._smooth
         if not stretched(orbit, z):
             return ""
         m = orbit.mesh.segments
         where = f"over one of {m} segments of the orbit" if m > 1 else "over the orbit"
-        return (
-            f"Deviations grow by {orbit.mesh.growth:.0e} {where}: begin the branch with more segments "
-            f"(`engine: {{segments: {2 * m}}}`)."
-        )
+        grown = f"Deviations grow by {orbit.mesh.growth:.0e} {where}, and steps become short by that."
+        if orbit.discretization.segments is not None:
+            return f"{grown} Begin the branch with more segments (`engine: {{segments: {2 * m}}}`)."
+        other = {"shooting": "auto", "auto": "collocation"}.get(orbit.discretization.scheme)
+        if other is None:
+            return f"{grown} More segments than these are not made."
+        remedy = f"`engine: {{discretization: {other}}}`, which cuts orbits where deviations grow"
+        return f"{grown} Begin the branch with {remedy}."

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from small_systems import labelled, small_problem
+from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
 from contwalk.problems.orbit.discretization import Discretization
@@ -54,3 +54,31 @@ def test_a_fold_at_which_the_parameter_stands_still_is_located():
         assert abs(fold.spectrum[0] - 1.0) <= 1e-5
         again = compared(problem.system, cycle, fold, Discretization())
         assert again.verdict == "agrees", again
+
+
+def steep(t, x, p, dx):
+    dx[0] = x[0] - x[0] ** 3 / 3.0 - x[1] + p.I
+    dx[1] = 0.01 * (x[0] + 0.7 - 0.8 * x[1])
+
+
+@pytest.mark.parametrize(
+    ("chosen", "told"),
+    [
+        ({}, "`engine: {discretization: auto}`"),
+        ({"segments": 4}, "`engine: {segments: 16}`"),
+        ({"scheme": "auto"}, None),
+    ],
+    ids=["shooting", "segments", "auto"],
+)
+def test_points_that_growth_uses_up_say_so_with_a_remedy(chosen, told):
+    """FitzHugh-Nagumo with eps = 0.01: equal segments creep through the explosion, and never see its end."""
+    system = small_system(steep, "vw", {"I": 0.0})
+    problem = cw.Equilibrium(system, system.defaults(), "I", discretization=Discretization(**chosen))
+    equilibria = cw.continue_branch(problem, [-1.2, -0.6], (0.0, 2.0))
+    cycle = cw.switch_branch(problem, equilibria, "HB1", (0.0, 2.0), max_points=80)
+    assert cycle.outcome.reason == "max_points"
+    if told is None:
+        assert "Deviations" not in cycle.outcome.message
+    else:
+        assert "Deviations grow by" in cycle.outcome.message
+        assert told in cycle.outcome.message
