@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from contwalk import tables
+from contwalk.data_class import dataclass
 from contwalk.labels import EVERY_MEANING
 
 

@@ -14,13 +14,13 @@ tangent tells the two apart.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import Segment
+from contwalk.data_class import dataclass
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Problem
 

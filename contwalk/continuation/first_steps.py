@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import End, Point, walk
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
+from contwalk.data_class import dataclass
 from contwalk.problems.problem import Problem
 
 # A problem, and where on one of its branches a walk sets out.

@@ -8,12 +8,13 @@ does.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation.settings import Settings
+from contwalk.data_class import dataclass
 from contwalk.labels import END
 from contwalk.problems.images import in_words
 from contwalk.problems.problem import Mirror

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from contwalk.data_class import dataclass
 from contwalk.errors import PluginError
 from contwalk.numerics.broyden import broyden_step
 from contwalk.numerics.linear import norm_in

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Protocol, cast
 
@@ -12,6 +11,7 @@ import numpy as np
 from contwalk.branch import Branch
 from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
+from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite
 from contwalk.problems.images import MOST_IMAGES, Product, imaged, in_words
 from contwalk.problems.problem import Problem, Sample, at_stored, equations_at

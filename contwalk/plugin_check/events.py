@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError, PluginError
 from contwalk.fields.derivative import jacobian
 from contwalk.plugin_check.angles import check_angles_at_event

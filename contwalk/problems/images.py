@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.data_class import dataclass
 from contwalk.errors import called
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues

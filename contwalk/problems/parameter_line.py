@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
+from contwalk.data_class import dataclass
 from contwalk.errors import StartError
 from contwalk.system import System
 

@@ -7,9 +7,10 @@ in the built system: a machine with two masses carries nothing of one with three
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
+from contwalk.data_class import dataclass
 from contwalk.errors import SystemDefinitionError
 from contwalk.system.declarations import System, nearest
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from contwalk.branch import Branch, SpecialPoint
+from contwalk.data_class import dataclass
 
 
 @dataclass

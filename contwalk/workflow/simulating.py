@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError, NotFinite
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.equilibrium.declared import named_equilibria

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from contwalk.data_class import dataclass
 from contwalk.flow import dense
 from contwalk.flow.events.crossings import Event
 from contwalk.flow.events.settling import Settling

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
+from contwalk.data_class import dataclass
 from contwalk.flow.events.crossings import Event
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
 

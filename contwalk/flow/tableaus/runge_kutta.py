@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contwalk.data_class import dataclass
 
 Combination = dict[int, float]
 """A sum of stages: stage -> coefficient; those that are missing are zero."""

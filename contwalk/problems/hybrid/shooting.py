@@ -7,11 +7,11 @@ is an equation.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk import flow
+from contwalk.data_class import dataclass
 from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.passage import Passage
 from contwalk.problems.orbit.repeating import repeating

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.data_class import dataclass
 from contwalk.problems.hybrid import limit_points, limits_told
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.locus.orbit_curve import OrbitCurve

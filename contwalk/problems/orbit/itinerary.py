@@ -15,9 +15,10 @@ is the image of the first one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
+from contwalk.data_class import dataclass
 from contwalk.system import Symmetry, System, Transition
 
 

@@ -8,10 +8,11 @@ mode to mu v, and to a part along the orbit (the neighbour is ahead, or late) an
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.numerics.spectrum import complement
 

@@ -7,12 +7,12 @@ same states. A linearization has passed through those at the steps already, bitw
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from contwalk import flow
+from contwalk.data_class import dataclass
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.passage import Passage
 from contwalk.problems.orbit.shooting import Mesh

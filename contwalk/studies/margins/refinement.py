@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+
+from contwalk.data_class import dataclass
 
 Vertex = tuple[int, int]
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.flow.hybrid.motion_events import TIME_UP, MotionEvents, Standpoint

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from contwalk.data_class import dataclass
 from contwalk.workflow.run_file.checked_file import CheckedFile
 from contwalk.workflow.run_file.figures import FigureSpec
 from contwalk.workflow.run_file.starts import StartSpec

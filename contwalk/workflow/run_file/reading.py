@@ -9,13 +9,14 @@ from __future__ import annotations
 import copy
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 from ruamel.yaml import YAML
 
+from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError, RunFileError
 from contwalk.plugin_check.at_load import load_system
 from contwalk.problems.parameter_line import ParameterLine

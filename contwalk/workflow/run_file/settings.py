@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from contwalk import quantities
+from contwalk.data_class import dataclass
 from contwalk.system.declarations import System
 from contwalk.workflow.run_file.model import ReportPlace, RunModel
 from contwalk.workflow.run_file.parameters import check_bounds, parameter_named

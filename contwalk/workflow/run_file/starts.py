@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 import numpy as np
 
 from contwalk.branch import LABELS
+from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError, StartError
 from contwalk.system.declarations import System
 from contwalk.workflow.run_file.model import Start

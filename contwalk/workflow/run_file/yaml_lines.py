@@ -7,13 +7,14 @@ that `1e-8` and `.5` are numbers and `no` is a text.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+from contwalk.data_class import dataclass
 from contwalk.errors import RunFileError
 
 Key = tuple[str | int, ...]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from contwalk.data_class import dataclass
 from contwalk.problems.hybrid import cutting
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
