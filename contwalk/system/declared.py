@@ -42,12 +42,12 @@ class Declared:
     conserved: tuple[Conserved, ...] = ()
     fallen: Callable[..., float] | None = None
 
-    @property
+    @cached_property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states in their order."""
         return tuple(state.name for state in self.states)
 
-    @property
+    @cached_property
     def parameter_names(self) -> tuple[str, ...]:
         """Names of the parameters in their order."""
         return tuple(parameter.name for parameter in self.parameters)
@@ -75,7 +75,11 @@ class Declared:
 
 def with_conserved(system: Declared) -> tuple[Parameter, ...]:
     """The parameters, with the values of conserved quantities, declared as such or not."""
-    known, quantities = set(system.parameter_names), {entry.name for entry in system.conserved}
+    # Not by `parameter_names`, which are kept and would be those from before.
+    known, quantities = (
+        {entry.name for entry in system.parameters},
+        {entry.name for entry in system.conserved},
+    )
     declared = [
         ConservedValue(**vars(parameter)) if parameter.name in quantities else parameter
         for parameter in system.parameters

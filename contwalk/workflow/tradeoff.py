@@ -19,8 +19,8 @@ from contwalk.storage.failures import check_writable, failures_of, refuse_existi
 from contwalk.studies.comparison import Comparison
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.pairing import counted, paired, value_of
+from contwalk.workflow.run_file.names import LOWEST_ACCURACY
 from contwalk.workflow.run_file.reading import RunFile
-from contwalk.workflow.run_file.values import LOWEST_ACCURACY
 from contwalk.workflow.runner import run
 from contwalk.workflow.verifying import points_of, verify
 

@@ -9,7 +9,7 @@ import pytest
 
 from contwalk.workflow.run_file import model as run_model
 from contwalk.workflow.run_file import motions as run_motions
-from contwalk.workflow.run_file.values import FIGURES, FOLLOWED
+from contwalk.workflow.run_file.names import FIGURES, FOLLOWED
 from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "run_file.md").read_text(encoding="utf-8")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from contwalk.errors import RunFileError
-from contwalk.workflow.run_file.yaml_lines import Document, parse_yaml
+from contwalk.workflow.run_file.document import Document
+from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
 BOMB = "a: &a [x, x, x, x, x, x, x, x, x, x]\n" + "".join(
     f"{name}: &{name} [{', '.join(10 * ['*' + before])}]\n"

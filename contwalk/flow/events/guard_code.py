@@ -7,11 +7,13 @@ constants.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 from weakref import WeakValueDictionary
 
+from contwalk import object_cache
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.graph import Graph
 from contwalk.fields.llvm import Code, code_of
@@ -20,6 +22,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import trace
 from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, arguments
+from contwalk.module_texts import text_behind
 from contwalk.system import System
 
 Watched = Callable[[Any, Any, Any], Any]
@@ -54,6 +57,9 @@ class GuardCode:
         self.n, self.m = len(self._states), len(system.parameters)
         copy = rebound(watched)
         self.program = trace(lambda tracer: [copy(*arguments(tracer, system, mode))])
+        graph = self.program.graph
+        # What the graph is now decides all that is derived from it; later it grows by what is derived.
+        self._size = len(graph.nodes), len(graph.tables)
 
     @cached_property
     def of_time_alone(self) -> bool:
@@ -113,16 +119,32 @@ class GuardCode:
         return dict(zip(self._inputs(graph), rates, strict=True))
 
     def _compiled(self, name: str, change: Callable[[tuple[int, ...]], Sequence[int]]) -> Code:
+        text = self._kept_text(name, lambda: self._text(name, change))
+        code = _KNOWN.get(text)
+        if code is None:
+            code = _KNOWN[text] = code_of(text, (name,))
+        return code
+
+    def _kept_text(self, name: str, derive: Callable[[], str]) -> str:
+        """The text of a function, from an earlier process if one has derived it from the same graph."""
+        graph, (nodes, tables) = self.program.graph, self._size
+        described = graph.nodes[:nodes], graph.tables[:tables], self.program.tree, self._states, self.m
+        key = object_cache.key("guard", name, sys.version, _generator(), repr(described))
+        kept = object_cache.load_values(key)
+        if kept is not None and len(kept) == 1 and isinstance(kept[0], str):
+            return kept[0]
+        text = derive()
+        object_cache.store_values(key, [text])
+        return text
+
+    def _text(self, name: str, change: Callable[[tuple[int, ...]], Sequence[int]]) -> str:
+        """LLVM IR of a function whose outputs are those that `change` makes of the guard."""
         program = self.program.transformed(change)
         time, *states = self._inputs(program.graph)
         places = {time: ("t", 0), **{node: ("x", place) for place, node in enumerate(states)}}
         places |= {program.graph.input(_VELOCITY, place): ("f", place) for place in range(self.n)}
         places |= {program.graph.input(PARAMETER, k): ("c", k) for k in range(self.m)}
-        text = module([function(name, program, _ARRAYS, places, time=True)])
-        code = _KNOWN.get(text)
-        if code is None:
-            code = _KNOWN[text] = code_of(text, (name,))
-        return code
+        return module([function(name, program, _ARRAYS, places, time=True)])
 
 
 class GuardCodes:
@@ -148,3 +170,9 @@ def _uncertainty(graph: Graph, node: int, states: Sequence[int]) -> int:
     for i, partial in jacobian(graph, [node], states)[0].items():
         bound = graph.add(bound, graph.call("abs", graph.mul(partial, states[i])))
     return bound
+
+
+@cache
+def _generator() -> str:
+    """Hash of the text of all modules that texts are made by."""
+    return object_cache.key(*text_behind("contwalk.flow.events.guard_code"))

@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contwalk import quantities
 from contwalk.data_class import dataclass
 from contwalk.figure_formats import allowed_formats, unknown_format
 from contwalk.system.declarations import System
 from contwalk.workflow.quantities import listed
-from contwalk.workflow.run_file.model import FigureOptions, RunModel
+from contwalk.workflow.run_file.document import Key
+from contwalk.workflow.run_file.names import FIGURES, MOTION_FIGURES, SAMPLE_FIGURES
 from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.settings import BUILT_IN, PATH
-from contwalk.workflow.run_file.values import FIGURES, MOTION_FIGURES, SAMPLE_FIGURES
-from contwalk.workflow.run_file.yaml_lines import Key
+
+if TYPE_CHECKING:
+    from contwalk.workflow.run_file.model import FigureOptions, RunModel
 
 
 @dataclass(frozen=True)

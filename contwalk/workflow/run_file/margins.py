@@ -10,12 +10,12 @@ from contwalk.data_class import dataclass
 from contwalk.errors import RunFileError
 from contwalk.system import System
 from contwalk.workflow.run_file.checked_file import CheckedFile
+from contwalk.workflow.run_file.document import Document, Key
 from contwalk.workflow.run_file.motions import Margins
 from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.reading import opened
 from contwalk.workflow.run_file.starts import POINT
 from contwalk.workflow.run_file.text import text_of_file
-from contwalk.workflow.run_file.yaml_lines import Document, Key
 
 # Names of directions that are not given.
 _DRAWN = re.compile(r"(mode|random)\d+(_re|_im)?")

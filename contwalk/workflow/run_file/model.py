@@ -12,12 +12,9 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 from pydantic import model_validator as validator_of_model
 
 from contwalk.workflow.run_file.motions import Margins, Sampling, Simulation
+from contwalk.workflow.run_file.names import BORN, CURVES, FIGURES, FOLLOWED
 from contwalk.workflow.run_file.section import Section
 from contwalk.workflow.run_file.values import (
-    BORN,
-    CURVES,
-    FIGURES,
-    FOLLOWED,
     Accuracy,
     Action,
     Angle,

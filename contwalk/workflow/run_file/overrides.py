@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from contwalk.errors import RunFileError
-from contwalk.workflow.run_file.yaml_lines import Document, Key, dotted, parse_yaml, shown
+from contwalk.workflow.run_file.document import Document, Key, dotted, shown
+from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
 
 def apply_override(document: Document, override: str) -> None:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from contwalk.system.declarations import Parameter, System
-from contwalk.workflow.run_file.model import ParameterPath, RunModel, Span
+from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.problems import Problems, allowed
-from contwalk.workflow.run_file.yaml_lines import Key
+
+if TYPE_CHECKING:
+    from contwalk.workflow.run_file.model import ParameterPath, RunModel
 
 
 def parameter_named(problems: Problems, key: Key, system: System, name: str) -> Parameter | None:
@@ -109,7 +112,7 @@ def sweep_values(
     parameter = parameter_named(problems, key, system, name)
     if name in varying:
         problems.add(key, f"'{name}' is what the branch changes already.", "Sweep another parameter.")
-    values = written if not isinstance(written, Span) else _evenly(written.from_, written.to, written.count)
+    values = written if isinstance(written, tuple) else _evenly(written.from_, written.to, written.count)
     if not values or len(set(values)) < len(values):
         problems.add(key, "lists no value, or one twice.", "Give different values, [0.1, 0.2].")
     if parameter is not None:

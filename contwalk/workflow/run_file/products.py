@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from contwalk.data_class import dataclass
+from contwalk.workflow.run_file.document import shown
 from contwalk.workflow.run_file.values import number, wrong
-from contwalk.workflow.run_file.yaml_lines import shown
 
 FORM = "a number, or a product of numbers, pi and parameters, as 0.4*m1*l1/M"
 _FACTOR = re.compile(r"(?P<number>(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)|(?P<name>[^\W\d]\w*)")

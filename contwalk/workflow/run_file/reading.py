@@ -11,28 +11,27 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from pathlib import Path
-from typing import Any
-
-from pydantic import ValidationError
-from ruamel.yaml import YAML
+from typing import TYPE_CHECKING, Any
 
 from contwalk.data_class import dataclass
-from contwalk.errors import ContwalkError, RunFileError
+from contwalk.errors import ContwalkError
 from contwalk.plugin_check.at_load import load_system
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import System
 from contwalk.system.loading import is_path, load_declaration
 from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.figures import FigureSpec, figures_of
-from contwalk.workflow.run_file.model import RunModel
+from contwalk.workflow.run_file.kept_form import form_of
+from contwalk.workflow.run_file.names import DIAGRAM_FIGURES, FIGURES
 from contwalk.workflow.run_file.parameters import differ, given_values, path_ends, sweep_values
-from contwalk.workflow.run_file.problems import Problems, translate
+from contwalk.workflow.run_file.problems import Problems
 from contwalk.workflow.run_file.settings import Mark, ReportAt
 from contwalk.workflow.run_file.starts import StartReader, StartSpec
-from contwalk.workflow.run_file.text import document_of, text_of_file
-from contwalk.workflow.run_file.values import DIAGRAM_FIGURES, FIGURES
+from contwalk.workflow.run_file.text import text_of_file
 from contwalk.workflow.run_file.without_effect import without_effect
-from contwalk.workflow.run_file.yaml_lines import parse_yaml
+
+if TYPE_CHECKING:
+    from contwalk.workflow.run_file.model import RunModel
 
 __all__ = [
     "FIGURES",
@@ -44,8 +43,6 @@ __all__ = [
     "read_run_file",
     "read_run_text",
 ]
-
-VERSION = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +119,8 @@ class RunFile:
         """Text of a run file that asks for this study: the file's own, or with `--set` values in it."""
         if not self.overrides:
             return self.text
+        from ruamel.yaml import YAML
+
         yaml = YAML(pure=True)
         yaml.default_flow_style = None  # innermost mappings and lists in one line
         stream = io.StringIO()
@@ -138,10 +137,9 @@ class RunFile:
 
     def settings_of(self, other: str | Mapping[str, Any]) -> dict[str, Any] | None:
         """What decides the branches of a run file, by key, from its text or data; None where it is none."""
-        try:
-            return _study(parse_yaml(other, "the stored run file")[0] if isinstance(other, str) else other)
-        except (RunFileError, ValidationError):
-            return None
+        from contwalk.workflow.run_file.form import study_of
+
+        return study_of(other)
 
     def studies(self) -> tuple[RunFile, ...]:
         """One run file for each swept value, without a sweep; without one, itself alone."""
@@ -198,27 +196,9 @@ def read_run_text(
 
 def opened(text: str, path: str | Path, overrides: Sequence[str] = ()) -> tuple[Problems, RunModel, System]:
     """A run file's text with its types checked and its system loaded; what any command begins with."""
-    document = document_of(text, str(path), overrides)
+    document, model = form_of(text, str(path), overrides)
     problems = Problems(document)
-    _check_version(problems)
-    try:
-        model = RunModel.model_validate(document.data)
-    except ValidationError as error:
-        translate(error, problems)
-        raise problems.error() from None
     return problems, model, _load(problems, model, Path(path).parent)
-
-
-def _check_version(problems: Problems) -> None:
-    """A newer format first: its other keys would only seem to be wrong."""
-    version = problems.document.data.get("contwalk")
-    if isinstance(version, int) and version > VERSION:
-        problems.add(
-            ("contwalk",),
-            f"the file has format {version}, newer than this contwalk reads.",
-            f"Allowed: {VERSION}. Update contwalk, or rewrite the file in format {VERSION}.",
-        )
-        problems.raise_any()
 
 
 def _load(problems: Problems, model: RunModel, base: Path) -> System:
@@ -307,8 +287,9 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
 def need_start(problems: Problems, model: RunModel) -> None:
     """Note a problem where the file says of no start."""
     if not model.start:
-        allowed = RunModel.model_fields["start"].description
-        problems.add(("start",), "the key is missing.", f"Allowed: {allowed}.")
+        from contwalk.workflow.run_file.form import allowed_start
+
+        problems.add(("start",), "the key is missing.", allowed_start())
 
 
 def _output(
@@ -324,10 +305,3 @@ def _output(
         if file.resolve() == result.resolve():
             problems.add(("output",), f"'{result}' is {what}.", "Give another name for the output.")
     return result
-
-
-def _study(data: Any) -> dict[str, Any]:
-    """What decides the branches, in a form that can be compared."""
-    return RunModel.model_validate(data).model_dump(
-        exclude={"output", "figures", "simulate", "sample", "margins"}
-    )

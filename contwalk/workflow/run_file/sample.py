@@ -9,9 +9,11 @@ from pathlib import Path
 from contwalk.data_class import dataclass
 from contwalk.errors import RunFileError, StartError
 from contwalk.system import System
+from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.figures import FigureSpec, figures_of
 from contwalk.workflow.run_file.motion_file import MotionFile
 from contwalk.workflow.run_file.motions import Sampling
+from contwalk.workflow.run_file.names import SAMPLE_FIGURES
 from contwalk.workflow.run_file.parameters import check_bounds, given_values
 from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.products import Product
@@ -19,8 +21,6 @@ from contwalk.workflow.run_file.reading import opened
 from contwalk.workflow.run_file.simulate import only_start
 from contwalk.workflow.run_file.starts import StartSpec
 from contwalk.workflow.run_file.text import text_of_file
-from contwalk.workflow.run_file.values import SAMPLE_FIGURES
-from contwalk.workflow.run_file.yaml_lines import Key
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from contwalk import quantities
 from contwalk.data_class import dataclass
 from contwalk.system.declarations import System
-from contwalk.workflow.run_file.model import ReportPlace, RunModel
+from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.parameters import check_bounds, parameter_named
 from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.starts import StartSpec
-from contwalk.workflow.run_file.yaml_lines import Key
+
+if TYPE_CHECKING:
+    from contwalk.workflow.run_file.model import ReportPlace, RunModel
 
 PATH = "path"  # the name of the free parameter of a parameter path
 # Largest real part of an equilibrium, largest modulus of an orbit's multipliers, and what its closure lasts.

@@ -10,18 +10,18 @@ import numpy as np
 from contwalk.data_class import dataclass
 from contwalk.system import System
 from contwalk.workflow.run_file import settings
+from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.figures import FigureSpec, figures_of
 from contwalk.workflow.run_file.model import RunModel
 from contwalk.workflow.run_file.motion_file import MotionFile
 from contwalk.workflow.run_file.motions import Simulation
+from contwalk.workflow.run_file.names import MOTION_FIGURES
 from contwalk.workflow.run_file.parameters import given_values
 from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.reading import need_start, opened
 from contwalk.workflow.run_file.settings import ReportAt
 from contwalk.workflow.run_file.starts import StartReader, StartSpec
 from contwalk.workflow.run_file.text import text_of_file
-from contwalk.workflow.run_file.values import MOTION_FIGURES
-from contwalk.workflow.run_file.yaml_lines import Key
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

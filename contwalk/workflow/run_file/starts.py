@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,10 +15,12 @@ from contwalk.branch import LABELS
 from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError, StartError
 from contwalk.system.declarations import System
-from contwalk.workflow.run_file.model import Start
+from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.parameters import checked_values
 from contwalk.workflow.run_file.problems import Problems, allowed
-from contwalk.workflow.run_file.yaml_lines import Key
+
+if TYPE_CHECKING:
+    from contwalk.workflow.run_file.model import Start
 
 # A point of a database, as b1/HB1 or b1/12.
 POINT = re.compile(rf"[A-Za-z]\w*/((?:{'|'.join(LABELS)})[1-9]\d*|\d+)")

@@ -13,7 +13,7 @@ from contwalk.errors import RunFileError, StartError
 from contwalk.plugin_check.samples import samples_of
 from contwalk.python_functions import plain
 from contwalk.system.declarations import Parameter, ParameterValues, System
-from contwalk.workflow.run_file.values import FIGURES, FOLLOWED
+from contwalk.workflow.run_file.names import FIGURES, FOLLOWED
 
 _PLAIN = re.compile(r"[./\w][./\w-]*")
 _WORDS_OF_YAML = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")

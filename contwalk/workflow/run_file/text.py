@@ -1,14 +1,11 @@
-"""A run file from the disk to data: what can be wrong before any key is looked at."""
+"""The text of a run file from the disk."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from contwalk.errors import RunFileError
-from contwalk.workflow.run_file.model import RunModel
-from contwalk.workflow.run_file.overrides import apply_override
-from contwalk.workflow.run_file.yaml_lines import MAX_CHARACTERS, Document, parse_yaml, shown
+from contwalk.workflow.run_file.document import MAX_CHARACTERS
 
 
 def text_of_file(path: Path, name: str) -> str:
@@ -34,22 +31,3 @@ def text_of_file(path: Path, name: str) -> str:
         raise RunFileError(
             f"{name}, line {line}: this is not UTF-8 text.", "A run file is YAML text, saved as UTF-8."
         ) from None
-
-
-def document_of(text: str, name: str, overrides: Sequence[str]) -> Document:
-    """The data of a run file, a mapping, with the `--set` values put in."""
-    data, lines = parse_yaml(text, name)
-    if data is None:
-        raise RunFileError(
-            f"{name} is empty.",
-            "Give at least system, start and continue; contwalk init SYSTEM writes a file.",
-        )
-    if not isinstance(data, dict):
-        raise RunFileError(
-            f"{name}, line 1: the file is {shown(data)}, not a mapping of keys.",
-            f"Write lines KEY: VALUE. Allowed: {', '.join(RunModel.known_keys())}.",
-        )
-    document = Document(name, data, lines)
-    for override in overrides:
-        apply_override(document, override)
-    return document

@@ -9,48 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, Discriminator, PlainValidator, Tag
 from pydantic_core import PydanticCustomError
 
-from contwalk.labels import END, MARK, MEANINGS
-from contwalk.workflow.run_file.yaml_lines import shown
+from contwalk.workflow.run_file.document import shown
+from contwalk.workflow.run_file.names import BORN, CURVES, FOLLOWED, LOWEST_ACCURACY
 
-FOLLOWED = tuple(label for label in MEANINGS if label not in (END, MARK))
-# Special points that curves are of, and those on curves at which other curves begin.
-CURVES = ("LP", "HB", "BP", "PD", "NS", "GR", "OC", "AZ", "UZ")
-BORN = (
-    "BT",
-    "GH",
-    "ZH",
-    "HH",
-    "BP",
-    "R1",
-    "R2",
-    "GPD",
-    "LPPD",
-    "LPNS",
-    "PDNS",
-    "NSNS",
-    "GRLP",
-    "GRPD",
-    "GRNS",
-    "GRGR",
-)
-DIAGRAM_FIGURES = (
-    "bifurcation_diagram",
-    "eigenvalues",
-    "multipliers",
-    "stability_map",
-    "locus",
-    "chart",
-    "machine",
-    "phase_portrait",
-    "stick_figure",
-)
-MOTION_FIGURES = ("time_series", "phase_portrait")
-SAMPLE_FIGURES = ("histogram",)
-# each command draws its own
-FIGURES = tuple(dict.fromkeys((*DIAGRAM_FIGURES, *MOTION_FIGURES, *SAMPLE_FIGURES)))
 LEAST_BORDER_ACCURACY, MOST_BORDER_ACCURACY = 1e-12, 0.5
 MOST_INSTANTS = 1000
-LOWEST_ACCURACY = 1e-14  # below it, rounding in double precision decides, not the method
 
 
 def wrong(sentence: str, remedy: str = "") -> PydanticCustomError:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from contwalk.system import System
-from contwalk.workflow.run_file.model import RunModel
+from contwalk.workflow.run_file.document import Key, dotted
 from contwalk.workflow.run_file.problems import Problems
-from contwalk.workflow.run_file.yaml_lines import Key, dotted
+
+if TYPE_CHECKING:
+    from contwalk.workflow.run_file.model import RunModel
 
 # What each of these limits is of.
 NEEDS = {
