@@ -43,6 +43,8 @@ _RAISED_BY: dict[str, tuple[type[Exception], ...]] = {
     "write": (OSError, RuntimeError, ValueError),
     "create": (OSError, RuntimeError),
 }
+# Whose journals have names that end so.
+JOURNALS = {"_margins.journal": "margins", "_samples.journal": "sample"}
 AGAIN = "Restore the file from a copy, or compute it again with contwalk continue FILE --force."
 
 
@@ -90,8 +92,8 @@ def explained(path: Path, purpose: str, error: Exception) -> DatabaseError:
         return DatabaseError(f"{path} is damaged: its end is missing.", AGAIN)
     if purpose == "write" and not isinstance(error, ValueError):
         return WriteError(
-            f"{path} cannot be written ({text}). Every point stored before is kept.",
-            "Go on with: contwalk continue FILE --resume",
+            f"{path} cannot be written ({text}). {_kept(path)}",
+            f"Go on with: {_again(path)}",
         )
     return DatabaseError(f"{path} is damaged and cannot be {_done(purpose)} ({text}).", AGAIN)
 
@@ -110,9 +112,23 @@ def _no_room(path: Path, purpose: str, what: str, remedy: str) -> DatabaseError:
     if purpose == "create":
         return DatabaseError(f"{what}: {path} cannot be created.", f"{remedy}, or choose another output.")
     return WriteError(
-        f"{what}: {path} cannot grow. Every point stored before is kept.",
-        f"{remedy}, then go on with: contwalk continue FILE --resume",
+        f"{what}: {path} cannot grow. {_kept(path)}",
+        f"{remedy}, then go on with: {_again(path)}",
     )
+
+
+def _kept(path: Path) -> str:
+    """What is not lost where a file cannot be written."""
+    return "Every point stored before is kept." if _command(path) == "continue" else "What it holds is kept."
+
+
+def _again(path: Path) -> str:
+    """The command that goes on with what a file is of."""
+    return f"contwalk {_command(path)} FILE --resume"
+
+
+def _command(path: Path) -> str:
+    return next((command for end, command in JOURNALS.items() if path.name.endswith(end)), "continue")
 
 
 def check_space(path: Path, size: int, purpose: str = "write") -> None:

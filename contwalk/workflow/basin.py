@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import field, replace
 from typing import Any
 
@@ -14,11 +14,12 @@ from contwalk.flow.hybrid.motion_events import Standpoint
 from contwalk.storage import open_database
 from contwalk.storage.journal import Journal
 from contwalk.studies.margins.refinement import Cell, Vertex, refined
-from contwalk.studies.margins.solution import solution_at
-from contwalk.studies.margins.survival import SURVIVED
+from contwalk.studies.margins.solution import Instant, solution_at
+from contwalk.studies.margins.survival import FALLEN, SURVIVED
 from contwalk.workflow.basin_points import UNKNOWN, Attractors, BasinStudy
 from contwalk.workflow.many_runs import Runs
 from contwalk.workflow.margin_rays import Study, survival_of
+from contwalk.workflow.margin_study import changed_on_plane
 from contwalk.workflow.run_file.margins import MarginsFile
 
 # How near a motion must be to a solution to have come to it, in units of the magnitudes, where nobody says.
@@ -27,6 +28,8 @@ NEARNESS = 0.1
 SAME = 1e-9
 MOST_NEW = 8  # attractors that no stored solution is; what comes to more of them stays unknown
 SAMPLES = 400  # states on each of them, over the time of survival
+UNSTABLE = "unstable"  # names of places where motions rest that begin on a border of basins
+BESIDE = 1e-3  # of the nearness: how far beside such a place others begin, and how still it is
 SETTLING = 2.0  # of these times that one is followed for before
 
 
@@ -41,7 +44,8 @@ class BasinResult:
     places : ndarray, shape (k, 2)
         Their values.
     labels : tuple of str
-        What each comes to: the name of a stored solution, `new1`, .., or the code of how it ends.
+        What each comes to: the name of a stored solution, `new1`, .. of another one, `unstable1`, ..
+        of a place of rest that attracts nothing, or the code of how it ends.
     cells : ndarray, shape (c, 3)
         Squares in the end: their lower left values, and their part of the ranges.
     cell_labels : tuple of str
@@ -125,7 +129,9 @@ def basin_of(
         for k in (0, 1)
     )
     places = [names.index(first), names.index(second)]
-    base, done, named = solution.instants[wanted.instant].state, list(kept), _NewAttractors(basin)
+    # Where motions keep what they begin with each comes to a solution of its own.
+    most = 0 if changed_on_plane(run, basin.study) else MOST_NEW
+    base, done, named = solution.instants[wanted.instant].state, list(kept), _NewAttractors(basin, most)
 
     def value(vertex: Vertex) -> np.ndarray:
         return np.asarray(low + (high - low) * np.array(vertex) / steps)
@@ -166,8 +172,8 @@ class _NewAttractors:
     """Names what is none of the stored solutions: new1, new2, .. in the order in which motions come to
     them."""
 
-    def __init__(self, basin: BasinStudy) -> None:
-        self._basin, self._new = basin, Attractors({}, basin.attractors.nearness)
+    def __init__(self, basin: BasinStudy, most: int) -> None:
+        self._basin, self._most, self._new = basin, most, Attractors({}, basin.attractors.nearness)
         self.notes: list[str] = []
 
     def name(self, entry: dict[str, Any]) -> str:
@@ -178,17 +184,42 @@ class _NewAttractors:
             known = self._new.nearest(self._basin.study, state)
             if known != UNKNOWN:
                 return known
-        if len(courses) >= MOST_NEW:
+        if len(courses) >= self._most:
             return UNKNOWN
         course = self._course(Standpoint(entry["time"], entry["mode"], state))
         if course is None:
             return UNKNOWN
-        named = f"new{len(courses) + 1}"
-        self._new = replace(self._new, courses={**courses, named: course})
-        names = survival_of(self._basin.study).system.state_names
+        survival = survival_of(self._basin.study)
+        names = survival.system.state_names
         where = ", ".join(f"{name} {value:.6g}" for name, value in zip(names, course[-1], strict=True))
-        self.notes.append(f"{named} is none of the stored solutions: motions come to {where}.")
+        if self._leaves(survival.end, course):
+            named = _next_of(UNSTABLE, courses)
+            self.notes.append(
+                f"{named} attracts nothing: motions on borders of basins come to rest at {where}."
+            )
+        else:
+            named = _next_of("new", courses)
+            self.notes.append(f"{named} is none of the stored solutions: motions come to {where}.")
+        self._new = replace(self._new, courses={**courses, named: course})
         return named
+
+    def _leaves(self, at: Standpoint, course: np.ndarray) -> bool:
+        """Whether a motion has come to rest, all over its course, shape (k, n), and motions from beside that
+        place go away from it: the lattice has met the border of a basin."""
+        survival = survival_of(self._basin.study)
+        magnitudes, near = survival.solution.magnitudes, self._basin.attractors.nearness
+        if (np.ptp(course, axis=0) > BESIDE * near * magnitudes).any():
+            return False
+        exists = list(survival.system.states_of(at.mode))
+        push = np.zeros(len(magnitudes))
+        push[exists] = BESIDE * near * (magnitudes * np.cos(1.0 + np.arange(len(push))))[exists]
+        instant = Instant(0.0, at.time, at.mode, at.state, tuple(exists), at.last or "")
+        for side in (push, -push):
+            ended, _ = survival.followed(instant, side)
+            away = ended == SURVIVED and survival.distance(survival.end.state, course) > near
+            if away or ended == FALLEN:
+                return True
+        return False
 
     def _course(self, begin: Standpoint) -> np.ndarray | None:
         """States on what a motion has come to, shape (k, n); None where it ends."""
@@ -201,3 +232,8 @@ class _NewAttractors:
             at = survival.end
             states.append(at.state)
         return np.array(states)
+
+
+def _next_of(word: str, names: Collection[str]) -> str:
+    """The next of the names that are a word and a number."""
+    return f"{word}{sum(name.startswith(word) for name in names) + 1}"

@@ -217,15 +217,23 @@ def _never_forgotten(run: MarginsFile, study: Study, rays: Sequence[Ray]) -> lis
             "level with directions to ask what comes back."
         )
     if basin is not None:
-        instant, names = solution.instants[basin.instant], system.state_names
-        plane = [solution.magnitudes * state_direction(names, name) for name in basin.states]
-        changed = changed_quantities(system, solution, [(instant, push) for push in plane])
+        changed = changed_on_plane(run, study)
         if changed:
             notes.append(
                 f"Motions of the basin keep {', '.join(changed)} as they begin, and so come to solutions of "
-                "their own, which are new ones: the plane shows where they end, and no basin of one of them."
+                "their own: what does not come to a stored one is unknown, and the plane shows no basin of "
+                "it."
             )
     return notes
+
+
+def changed_on_plane(run: MarginsFile, study: Study) -> list[str]:
+    """Names of the conserved quantities that differ on the plane of the basin that a run file asks for."""
+    basin, names = run.margins.basin, run.system.state_names
+    assert basin is not None
+    instant = study.solution.instants[basin.instant]
+    plane = [study.solution.magnitudes * state_direction(names, name) for name in basin.states]
+    return changed_quantities(run.system, study.solution, [(instant, push) for push in plane])
 
 
 def check_unpushed(study: Study) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from contwalk.errors import DatabaseError
+from contwalk.storage.failures import disk_full
 from contwalk.storage.journal import Journal
 
 STUDY = {"study": "a", "rays": 3}
@@ -53,3 +56,10 @@ def test_results_of_another_study_are_not_taken_up(tmp_path):
         Journal(path, STUDY | {"rays": 4}, resume=True)
     with Journal(path, STUDY | {"rays": 4}, resume=False) as journal:
         assert journal.kept == []
+
+
+@pytest.mark.parametrize(("name", "command"), [("margins", "margins"), ("samples", "sample")])
+def test_a_full_disk_is_told_with_the_command_that_goes_on(name, command):
+    error = disk_full(Path(f"x_{name}.journal"))
+    assert "What it holds is kept." in str(error)
+    assert f"contwalk {command} FILE --resume" in error.remedy
