@@ -51,10 +51,11 @@ class SmoothDiagnosis(OrbitDiagnosis):
         m = orbit.mesh.segments
         where = f"over one of {m} segments of the orbit" if m > 1 else "over the orbit"
         grown = f"Deviations grow by {orbit.mesh.growth:.0e} {where}, and steps become short by that."
+        scheme, more = orbit.discretization.scheme, f"more segments (`engine: {{segments: {2 * m}}}`)"
         if orbit.discretization.segments is not None:
-            return f"{grown} Begin the branch with more segments (`engine: {{segments: {2 * m}}}`)."
-        other = {"shooting": "auto", "auto": "collocation"}.get(orbit.discretization.scheme)
-        if other is None:
+            return f"{grown} Begin the branch with {more}."
+        if scheme == "collocation":
             return f"{grown} More segments than these are not made."
+        other = "auto" if scheme == "shooting" else "collocation"
         remedy = f"`engine: {{discretization: {other}}}`, which cuts orbits where deviations grow"
-        return f"{grown} Begin the branch with {remedy}."
+        return f"{grown} Begin the branch with {remedy}{f', or with {more}' if scheme == 'shooting' else ''}."
