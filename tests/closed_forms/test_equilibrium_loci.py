@@ -211,3 +211,29 @@ def test_no_curve_begins_at_other_points() -> None:
         cw.continue_locus(problem.system, branch, "LP1", {"b1": (-2.0, 2.0), "b2": (2.0, 3.0)})
     with pytest.raises(StartError, match="A curve needs two parameters, and 1 are given"):
         cw.continue_locus(problem.system, branch, "LP1", {"b1": (-2.0, 2.0)})
+
+
+def test_a_quadratic_coefficient_that_is_rounding_divides_nothing() -> None:
+    """A food chain: where predators without their own have most to eat they begin to oscillate."""
+
+    def chain(t, x, p, dx):
+        first, second = 5.0 * x[0] / (1.0 + 3.0 * x[0]), 0.1 * x[1] / (1.0 + 2.0 * x[1])
+        dx[0] = x[0] * (p.k - x[0]) - first * x[1]
+        dx[1] = first * x[1] - 0.4 * x[1] - second * x[2]
+        dx[2] = second * x[2] - p.d * x[2]
+
+    x = 0.4 / 3.8
+    found = curve(
+        chain,
+        ["x", "y", "z"],
+        "HB",
+        "k",
+        {"k": 0.3, "d": 0.008},
+        {"k": (0.11, 0.9), "d": (0.005, 0.012)},
+        [x, (0.3 - x) * (1.0 + 3.0 * x) / 5.0, 0.0],
+    )
+    (point,) = labelled(found, "ZH")
+    # At the Hopf point k = 1/3 + 2 x there is y = (k - x) (1 + 3 x) / 5 to eat.
+    y = (1.0 / 3.0 + x) * (1.0 + 3.0 * x) / 5.0
+    assert at(point, "k", "d") == pytest.approx([1.0 / 3.0 + 2.0 * x, 0.1 * y / (1.0 + 2.0 * y)], rel=1e-14)
+    assert {"s", "theta", "E"}.isdisjoint(point.coefficients)

@@ -20,8 +20,8 @@ import contwalk as cw
 from contwalk.branch import Branch
 
 RESONANT = {"omega": 0.99874921777190894579, "force": 0.099906206013440426313}
-# A - A_GR = K (w - w2)^2, of doublings below the resonance.
-TANGENCY = 4473.4851
+# A - A_GR = K (w - w2)^2, of doublings below the resonance and of folds above it.
+TANGENCY, OF_FOLDS = 4473.4851, -18.681858070718
 LONG = {"max_step": 0.3, "max_share": 0.1}
 
 
@@ -55,6 +55,21 @@ def assert_resonant(curve: Branch, label: str) -> None:
         assert abs(point.parameters[name] - truth) <= point.errors[name] < 1e-9
 
 
+def assert_tangency(curve: Branch) -> None:
+    """How the curves of folds and doublings leave the grazing curve at the first resonance."""
+    points = [p for p in curve.special_points if p.label in ("GRLP", "GRPD")]
+    near = [p for p in points if abs(p.parameters["omega"] - RESONANT["omega"]) < 1e-9]
+    assert near
+    for point in near:
+        found, truth = point.coefficients, TANGENCY if point.label == "GRPD" else OF_FOLDS
+        assert found["tangency_force"] == pytest.approx(truth, rel=1e-8)
+        slope = (2.0 * point.parameters["omega"] ** 3 - 1.99 * point.parameters["omega"]) / touching(
+            point.parameters["omega"]
+        )
+        assert found["tangency_omega"] == pytest.approx(-truth / slope**3, rel=1e-8)
+        assert found["tangency_omega_error"] < 1e-8 * abs(found["tangency_omega"])
+
+
 def test_the_grazing_curve_to_the_last_digits() -> None:
     curve = followed(branches(0.98)[0], "GR1", (0.5, 1.5), accuracy=1e-13)
     assert np.max(np.abs(curve["force"] - touching(curve["omega"]))) < 1e-12
@@ -67,11 +82,13 @@ def test_the_grazing_curve_to_the_last_digits() -> None:
             nearest = RESONANT["omega"] * np.array([1.0, 2.0 / 3.0])
             off = np.min(np.abs(nearest - point.parameters["omega"]))
             assert off <= point.errors["omega"] + 1e-15 < 1e-11
+    assert_tangency(curve)
 
 
 def test_doublings_up_to_the_resonance() -> None:
     curve = followed(branches(0.98)[1], "PD1", (0.95, 1.02), accuracy=1e-11)
     assert_resonant(curve, "GRPD")
+    assert_tangency(curve)
     assert [p.label for p in curve.special_points] == ["EP", "GPD", "GRPD", "EP"]
     first, last = curve.special_points[0], curve.special_points[-1]
     assert first.parameters["omega"] == 0.95
@@ -97,6 +114,7 @@ def test_a_curve_that_ignores_grazings_goes_on_and_tells_so() -> None:
 def test_folds_down_to_the_resonance() -> None:
     curve = followed(branches(1.01)[1], "LP1", (0.98, 1.1))
     assert_resonant(curve, "GRLP")
+    assert_tangency(curve)
 
 
 def test_the_resonance_on_the_grazing_curve_of_the_motion_with_an_impact() -> None:

@@ -21,6 +21,9 @@ from contwalk.problems.locus.bordered import (
 )
 from contwalk.problems.locus.plane import FloatPlace, Place, Plane
 
+# A coefficient below this part of its terms is zero: others are not to be divided by it.
+VANISHES = 1e-10
+
 
 def root(kappa: Any) -> Any:
     """The frequency of a kappa, in its own arithmetic; NaN of a neutral saddle."""
@@ -220,7 +223,8 @@ def zero_hopf_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[st
         "3 f300/(2 f200) + f111/(2 f011)) - g021 f200/f011) of w0' = f200 w0^2 + f011 |w1|^2 + .., "
         "w1' = i omega w1 + g110 w0 w1 + .."
     )
-    if f200 * f011 == 0.0:
+    sizes = [float(np.linalg.norm(p0) * np.linalg.norm(b)) for b in (b00, b11)]
+    if abs(f200) <= VANISHES * sizes[0] or abs(f011) <= VANISHES * sizes[1]:  # as on an invariant face
         return {**numbers, "convention": convention}
     cubic = g210 + g110 * (g021.real / f011 - 1.5 * f300 / f200 + 0.5 * f111 / f011) - g021 * f200 / f011
     told = {

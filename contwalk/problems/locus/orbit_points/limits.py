@@ -11,10 +11,14 @@ from contwalk.branch import SpecialPoint
 from contwalk.labels import OF_LOCI
 from contwalk.problems.hybrid import limit_points, limits_told
 from contwalk.problems.locus.orbit_places import Held
+from contwalk.problems.locus.orbit_points import tangency
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
 from contwalk.problems.locus.orbit_points.switching import limit_born
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import LimitType, Located, Sample, Seed, Test
+
+# Curves that are tangent to the grazing curve where the orbit's own event loses its rate.
+TANGENT = ("LP", "PD")
 
 
 class LimitOnCurve(OrbitLocusPoint, LimitType):
@@ -64,9 +68,12 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
         return point.label == self.label and point.kind != "resonant"
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """The kind, and where in the cycle it is met."""
-        limit = problem.limited.limits[int(located.vectors["limit"])]
-        return limit.kind, {}, limits_told.place_of(problem.orbit, limit.own, located)
+        """The kind, where in the cycle it is met, and where both curves are tangent how they part."""
+        limit, told = problem.limited.limits[int(located.vectors["limit"])], {}
+        if limit.kind == "resonant" and problem.curve.of in TANGENT:
+            there, own = problem.plane.first(located.z)
+            told = tangency.coefficients(problem, there, own, float(located.z[-2]), problem.curve.of)
+        return limit.kind, told, limits_told.place_of(problem.orbit, limit.own, located)
 
 
 _ORDER, _CONDITION = LimitOnCurve("OC", "order_change", "OC"), LimitOnCurve("AZ", "inadmissible", "AZ")

@@ -12,6 +12,7 @@ from contwalk.problems.hybrid.adjacent.at_limit import built_at
 from contwalk.problems.hybrid.adjacent.orbit import NoAdjacentOrbit
 from contwalk.problems.locus.orbit_curves import CURVES
 from contwalk.problems.locus.orbit_places import Held
+from contwalk.problems.locus.orbit_points import tangency
 from contwalk.problems.locus.orbit_points.point import (
     Form,
     OrbitLocusPoint,
@@ -144,8 +145,10 @@ class ResonantGrazing(TwoAtOnce):
         return point.label == self.label and point.kind == "resonant"
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """The kind: both curves are tangent there."""
-        return "resonant", {}, None
+        """The kind: both curves are tangent there; and how they part."""
+        found, second = as_arriving(problem, located.z), float(located.z[-2])
+        told = {} if found is None else tangency.coefficients(problem, *found, second, self.other)
+        return "resonant", told, None
 
 
 def as_arriving(problem: Any, z: np.ndarray) -> tuple[Any, np.ndarray] | None:
