@@ -1,4 +1,4 @@
-"""Curves of cycles that are born at special points of curves of equilibria: GH and HH.
+"""Curves of cycles that are born at special points of curves of equilibria: GH, HH and ZH.
 
 At a generalized Hopf point r' = r (mu + c1 r^2 + l2 r^4) with mu = c1 = 0: cycles of the amplitude r
 fold where c1 = -2 l2 r^2 and mu = l2 r^4 (Kuznetsov 2004, section 8.3). Beside the point, on the side of the
@@ -31,7 +31,7 @@ from contwalk.problems.problem import Seed
 ASIDE = (1e-2, 3e-3, 3e-2, 1e-3, 1e-1, 3e-4)
 # Of the amplitude that is expected, what is found is no cycle below this part, and another one above that.
 SMALLER, LARGER = 0.8, 1.25
-# At a double Hopf point: the amplitude of the first of two cycles, over the root of how far aside it is,
+# At double and zero-Hopf points: the amplitude of the first of two cycles, over the root of how far aside,
 AMPLITUDE = 0.3
 # and what the cycle with a torus is expected to be of that.
 LEAST, MOST = 0.1, 6.0
@@ -99,26 +99,33 @@ def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | 
     return Seed("LP", solved, away, None, curve, one_sided=True)
 
 
-def tori_of_cycles(problem: Any, z: np.ndarray) -> Sequence[Seed]:
-    """The curve of tori of the cycles of a curve of Hopf points that is born at a double Hopf point.
+def tori_of_cycles(problem: Any, z: np.ndarray, leaning: Sequence[float] = (0.0,)) -> Sequence[Seed]:
+    """The curve of tori of the cycles of a curve of Hopf points that is born at a double or zero-Hopf point.
 
     That curve's unknowns there are z, shape (N + 1,). With amplitudes r and s of both pairs
     s' = s (nu + p r^2): beside the point, where nu and p have other signs, the cycle of the amplitude
     r^2 = -nu / p has a torus (Kuznetsov 2004, section 8.6). Both numbers are read from the multipliers of two
     cycles. None where none is found.
+
+    At a zero-Hopf point the growth of the pair is that of the curve's other direction, w' = .. + f w^2 + ..:
+    with amplitude r and w it passes zero where w is of the size r^2. The cycles then are looked for on lines
+    that are `leaning` towards the point, for across the curve w stands still (section 8.5).
     """
     if problem.system.acting:
         return ()
-    return _found_beside(
-        problem, z, lambda beside, aside: _torus(problem, beside, AMPLITUDE * aside**0.5, z[-2:])
-    )
+
+    def born(beside: np.ndarray, aside: float) -> Seed | None:
+        each = (_torus(problem, beside, AMPLITUDE * aside**0.5, z[-2:], lean) for lean in leaning)
+        return next((seed for seed in each if seed is not None), None)
+
+    return _found_beside(problem, z, born)
 
 
-def _torus(problem: Any, z: np.ndarray, r: float, origin: np.ndarray) -> Seed | None:
+def _torus(problem: Any, z: np.ndarray, r: float, origin: np.ndarray, lean: float) -> Seed | None:
     """The torus of the cycles that are born at a Hopf point at z, shape (N + 1,) of its curve.
 
     `r` is the amplitude of the first of two cycles, in the metric, `origin` the second and the first
-    parameter at the double Hopf point, shape (2,).
+    parameter at the point, shape (2,). `lean` is how much the cycles' line leans along the curve.
     """
     values, free = problem.values_of(z), (problem.free, str(problem.plane.second))
     typical = np.array([max(abs(values[name]), 1e-2) for name in reversed(free)])
@@ -128,7 +135,8 @@ def _torus(problem: Any, z: np.ndarray, r: float, origin: np.ndarray) -> Seed | 
     place = np.concatenate([seed.z[:-1], [values[free[1]], values[free[0]]]])
     # The cycles on a line across the curve of Hopf points: along it none grows.
     along = kernel_direction(problem.at(z).linearize(z).jacobian, _sizes(problem.at(z), z))[-2:] / typical
-    across = np.array([along[1], -along[0]]) / np.linalg.norm(along) * typical
+    across = np.array([along[1] + lean * along[0], lean * along[1] - along[0]])
+    across = across / np.linalg.norm(across) * typical
     orbit = OrbitPlane(born, free).on_tangent(place, across)
     rest = np.append(seed.z[:-1], 0.0)
     sizes = np.append(filled_magnitudes(orbit, rest)[:-1], 1.0)

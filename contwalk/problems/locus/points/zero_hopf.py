@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,20 @@ class ZeroHopf(LocusPoint):
         return (KIND, None, numbers, NOTE) if persists(located) else (None, None, numbers, None)
 
 
+def _tori(problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+    """The curve of tori that is born at a zero-Hopf point, of the curve of Hopf points that z is on.
+
+    There is one where f011 and the real part of g110 have opposite signs (Kuznetsov 2004, section 8.5), not
+    at branch points. z has the shape (N + 1,).
+    """
+    form = point.coefficients
+    if point.kind == KIND or "theta" not in form or not form["f011"] * form["g110_real"] < 0.0:
+        return ()
+    births: Any = import_module("contwalk.problems.locus.births")  # compiled flows, where they are wanted
+    found: Sequence[Seed] = births.tori_of_cycles(problem, z, (1.0, -1.0))
+    return found
+
+
 def _where_curves_cross(problem: Any, sample: Sample, kappa: float) -> Located | None:
     """The point near a sample at which a branch point that persists has a pair."""
     plane = problem.plane
@@ -67,8 +82,10 @@ class PairOnFold(ZeroHopf):
         return bool(sample.eigenvalues[which].imag != 0.0)
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of Hopf points."""
-        return born(problem, point, HOPF_POINTS, float(point.coefficients["omega"]) ** 2)
+        """The curve of Hopf points, and that of tori of its cycles."""
+        kappa = float(point.coefficients["omega"]) ** 2
+        there, z = problem.other(HOPF_POINTS, np.array(point.unknowns), kappa)
+        return [*born(problem, point, HOPF_POINTS, kappa), *_tori(there, z, point)]
 
     def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
         """Of the pair that passes."""
@@ -111,8 +128,8 @@ class ZeroOnHopf(ZeroHopf):
         return bool(sample.eigenvalues[which].imag == 0.0) and problem.kappa(sample.z) > 0.0
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of folds."""
-        return born(problem, point, FOLDS)
+        """The curve of folds, and that of tori of the cycles."""
+        return [*born(problem, point, FOLDS), *_tori(problem, np.array(point.unknowns), point)]
 
     def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
         """Of the curve's own pair."""
