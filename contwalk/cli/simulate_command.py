@@ -55,7 +55,7 @@ def _print(out: Console, run: SimulationFile, result: SimulationResult) -> None:
     system, motion = run.system, result.trajectory
     chosen = choices(system.model)
     line(out, system.name + (f" ({chosen})" if chosen else ""), style="bold")
-    work = f"{plural(result.steps, 'step')}, {plural(result.evaluations, 'evaluation')} of the field"
+    work = f"{plural(result.steps, 'step')}, {plural(result.evaluations, 'right-hand side')}"
     line(out, f"from t = {motion.times[0]:.10g} to {motion.times[-1]:.10g}, {work}", indent=4)
     if result.settled is not None and motion.status == "ok":
         word = "settled" if result.settled else "NOT SETTLED: given up; give until a time"

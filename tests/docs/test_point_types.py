@@ -13,12 +13,15 @@ import contwalk as cw
 from contwalk.labels import MEANINGS
 from contwalk.plotting import special_points
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
+from contwalk.problems.locus import orbit_curves, orbit_starts
+from contwalk.problems.locus.orbit_points import catalogue
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.studies.comparison import AGREES
 from contwalk.studies.verification import compared
 
 PAGE = "docs/howto/point_types.md"
+AT = {"a": 0.3, "k": 0.2}
 
 
 def saddle(t, x, p, dx):
@@ -28,8 +31,8 @@ def saddle(t, x, p, dx):
 
 
 def spiral(t, x, p, dx):
-    """As the page says: multipliers exp(-4 pi / 5) and exp(2 pi a) of the unit circle."""
-    growth = 0.2 * (1.0 - x[0] ** 2 - x[1] ** 2)
+    """As the page says: multipliers exp(-4 pi k) and exp(2 pi a) of the unit circle."""
+    growth = p.k * (1.0 - x[0] ** 2 - x[1] ** 2)
     dx[0] = growth * x[0] - x[1]
     dx[1] = growth * x[1] + x[0]
     dx[2] = p.a * x[2] + 0.1 * x[0]
@@ -83,8 +86,8 @@ def test_one_that_cannot_be_located_is_told(kind, monkeypatch):
 def cycles(monkeypatch):
     """The page's kind of orbits, with neither label nor marker."""
     monkeypatch.setattr(PeriodicOrbit, "point_types", (*PeriodicOrbit.point_types, made(1, "NeutralCycle")))
-    system = small_system(spiral, "xyz", {"a": 0.3})
-    orbit = cw.PeriodicOrbit(system, {"a": 0.3}, "a")
+    system = small_system(spiral, "xyz", AT)
+    orbit = cw.PeriodicOrbit(system, AT, "a")
     return cw.continue_branch(orbit, [1.0, 0.0, 0.0], (0.2, 0.6), period=2.0 * np.pi)
 
 
@@ -95,8 +98,19 @@ def test_the_kind_of_orbits_of_the_page_is_found(cycles):
     assert point.error < 1e-8 * 0.4  # the accuracy that is asked for
     assert point.coefficients["largest"] == pytest.approx(np.exp(0.8 * np.pi), rel=1e-7)
     assert labelled(cycles, "EP")[-1].parameters["a"] == 0.6
-    system = small_system(spiral, "xyz", {"a": 0.3})
+    system = small_system(spiral, "xyz", AT)
     assert compared(system, cycles, point, Discretization()).verdict == AGREES
+
+
+def test_the_curve_of_the_page_is_followed(cycles, monkeypatch):
+    monkeypatch.setitem(orbit_curves.CURVES, "NC", made(2, "NeutralCycles"))
+    monkeypatch.setitem(catalogue.POINT_TYPES, "NC", catalogue.POINT_TYPES["AZ"])
+    monkeypatch.setattr(orbit_starts, "FOLLOWED", (*orbit_starts.FOLLOWED, "NC"))
+    system = small_system(spiral, "xyz", AT)
+    curve = cw.continue_locus(system, cycles, "NC1", {"a": (0.3, 0.6), "k": (0.1, 0.4)}, max_points=20)
+    assert len(curve) > 10
+    # The steps of a walk are a hundred times coarser than those of special points.
+    assert np.max(np.abs(curve["a"] - 2.0 * curve["k"])) < 1e-7
 
 
 def test_a_label_without_a_meaning_is_drawn_and_told_all_the_same(cycles):

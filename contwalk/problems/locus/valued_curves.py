@@ -93,7 +93,7 @@ class ObservableAt(NamedCurve):
             there, own = plane.first(place)
             return np.array([(measured(there, own, self.observable) - self.level) / unit])
 
-        return _valued(values, near)
+        return vanishing(values, near)
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class ParameterAt(NamedCurve):
 
         slopes = np.zeros((1, len(near.z) + 1))
         slopes[0, self.place] = 1.0
-        return replace(_valued(values, near), slopes=slopes)
+        return replace(vanishing(values, near), slopes=slopes)
 
 
 KINDS: dict[str, Any] = {
@@ -145,7 +145,7 @@ def _crossing(near: At, which: int) -> Valued:
         corner: np.ndarray = there.factored(whole, np.ones(size + 2)).solve_adjoint(np.eye(size + 2)[:, -1])
         return corner[size:]
 
-    return _valued(values, near, np.zeros(1), (b * rows)[:, None])
+    return vanishing(values, near, np.zeros(1), (b * rows)[:, None])
 
 
 def steepest_crossing(near: At) -> Valued:
@@ -194,11 +194,20 @@ def marked_at(orbit: Any, point: SpecialPoint, free: tuple[str, str]) -> OrbitCu
     )
 
 
-def _valued(
+def vanishing(
     values: Values, near: At, further: np.ndarray | None = None, unfolding: np.ndarray | None = None
 ) -> Valued:
-    """Values that vanish, near a place; those of further unknowns are none, shape (k,), as their columns b,
-    shape (N, k), are.
+    """The condition that values vanish, made near a place; their derivatives are differenced.
+
+    Parameters
+    ----------
+    values : callable
+        See `Values`.
+    near : At
+    further : ndarray, shape (k,), optional
+        Further unknowns, none by default.
+    unfolding : ndarray, shape (N, k), optional
+        Their columns b in F + b mu = 0.
     """
     own = np.zeros(0) if further is None else further
     columns = np.zeros((len(near.z) - 1, 0)) if unfolding is None else unfolding
