@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     output="The database to write, instead of the run file's output.",
     resume="Go on with a database that an earlier run has begun.",
     force="Replace a database that exists.",
-    jobs="Processes that branches are walked in (1); auto: one for each processor.",
+    jobs="Processes that branches are computed in (1); auto: one for each processor.",
     no_figures="Do not draw the figures of the run file.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 1 if a special point could not be located.")
@@ -30,7 +30,7 @@ def command(call: StudyCall, *, strict: bool) -> int:
 
     Every point is stored when it is found: after Ctrl-C or a crash, --resume goes on from there. Several
     values are set with several options: --set parameters.c=0.9 --set continue.range=[1,6]. With --jobs the
-    branches of a study are walked in several processes at once; what is stored is the same for every number.
+    branches of a study are computed in several processes at once; what is stored is the same for any number.
 
     Exit codes: 0; 1 if a branch failed, or the disk is full; 2 for bad input, with nothing written; 130
     after Ctrl-C, 143 after SIGTERM.

@@ -187,7 +187,7 @@ def image_sentence(info: BranchInfo, mirror: Mirror, count: int) -> str:
     """That a half is the image of the other one, and what was done."""
     return (
         f"{info.name}: its half towards negative s is the image of the other one under "
-        f"{in_words(mirror.names)}. It was not walked: its {count} points are images, each checked by the "
+        f"{in_words(mirror.names)}. It was not computed: its {count} points are images, each checked by the "
         "equations."
     )
 
@@ -198,9 +198,9 @@ def walked_sentence(info: BranchInfo, mirror: Mirror, count: int, why: str) -> s
     if not count:
         return (
             f"{info.name}: its half towards negative s is the image of the other one {under}, but {why}: it "
-            "was walked."
+            "was computed."
         )
     return (
         f"{info.name}: its half towards negative s is the image of the other one {under}: {count} points are "
-        f"images, each checked by the equations. It was walked from there on, since {why}."
+        f"images, each checked by the equations. It was computed from there on, since {why}."
     )

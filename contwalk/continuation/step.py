@@ -337,7 +337,7 @@ def _not_looked_for(problem: Problem, last: Sample, observer: Observer) -> str:
     place = f"{observer.line.free} = {last.parameter:.10g}"
     return (
         f"{', '.join(labels)} were not looked for between {place} and here: orbits are not found so near to "
-        "where a leg vanishes"
+        "where a segment between two events vanishes"
     )
 
 

@@ -31,8 +31,8 @@ def check_cut_powers(report: Report, name: str, field: Traced, system: System) -
             "warning",
             f"field of mode '{name}'",
             f"A power {exponent:g} of what is cut at zero has no bound of its {what} there: special points "
-            "of orbits that touch this place, or begin a leg at it, are not located. Cut it a little above: "
-            "max(..., 1e-12) instead of max(..., 0).",
+            "of orbits that touch this place, or begin a segment at it, are not located. Cut it a little "
+            "above: max(..., 1e-12) instead of max(..., 0).",
             place_of(system.mode(name).field),
         )
 

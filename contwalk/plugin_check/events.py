@@ -321,7 +321,7 @@ def _check_leaving(
     transition = happening.transition
     what, place = f"reset of transition '{transition.name}'", place_of(transition.reset)
     if not any(t.source == transition.target and t.guard is transition.guard for t in system.transitions):
-        report.ok(what, "leads to a mode in which its guard is not armed.", place)
+        report.ok(what, "leads to a mode that does not have its guard.", place)
         return
     known = _left_behind(happening, system, field, samples)
     leaving, past = sum(kind != AGAIN for kind in known), known.count(PAST)

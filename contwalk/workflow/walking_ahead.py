@@ -77,7 +77,7 @@ class Walker:
 def failed_elsewhere(why: str) -> str:
     """A sentence on a branch that others have failed at; of `why`, a traceback perhaps, the end counts."""
     last = why.strip().splitlines()[-1].rstrip(".") if why.strip() else "nothing was told"
-    return f"A branch is walked in the run's own process, because others have failed at it: {last}."
+    return f"A branch is computed in the run's own process, because others have failed at it: {last}."
 
 
 _WALKERS: dict[StudyText, Walker] = {}

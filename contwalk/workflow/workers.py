@@ -24,7 +24,7 @@ from contwalk.workflow.walking_ahead import StudyText, Walker, failed_elsewhere
 MOST_LOST = 2
 # What is said of a process that has ended.
 LOST = (
-    "A process that walked a branch has ended, by itself or by a signal; another one walks the branch again, "
+    "A process that computed a branch has ended, by itself or by a signal; another one computes it again, "
     "to the same points."
 )
 
@@ -191,7 +191,7 @@ class Workers:
                 feed = self._feeds[task]
                 feed.lost += 1
                 if feed.lost > MOST_LOST:
-                    feed.answers.put(Failed(f"{feed.lost} processes have ended while they walked it"))
+                    feed.answers.put(Failed(f"{feed.lost} processes have ended while they computed it"))
                 else:
                     feed.answers.put(_Again())
                     insort(self._waiting, (task.turn, task), key=lambda entry: entry[0])

@@ -104,7 +104,7 @@ def both(request):
 
 
 def not_walked(notes):
-    return [note.split(":")[0] for note in notes if "It was not walked" in note]
+    return [note.split(":")[0] for note in notes if "It was not computed" in note]
 
 
 def test_special_points_are_those_that_a_walk_locates(both):

@@ -278,7 +278,7 @@ def test_reset_into_a_mode_without_the_guard(tmp_path):
     findings = checked(tmp_path, source)
     (found,) = troubles(findings)  # that is right for a motion, and no orbit can be found
     assert "never come round" in found.sentence
-    assert any("not armed" in f.sentence for f in findings)
+    assert any("does not have its guard" in f.sentence for f in findings)
 
 
 def test_symmetry_half_a_period_later(tmp_path):

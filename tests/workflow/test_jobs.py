@@ -198,7 +198,7 @@ def test_it_is_said_that_a_process_has_ended_and_where_its_branch_is_walked(stud
     assert shown(pool.messages(Task((2,)))) == shown(Walker(text).messages(Task((2,))))
     assert told[:-1] == [LOST] * MOST_LOST
     assert told[-1].startswith(
-        "A branch is walked in the run's own process, because others have failed at it"
+        "A branch is computed in the run's own process, because others have failed at it"
     )
 
 
@@ -247,7 +247,7 @@ def test_a_run_goes_on_though_its_pool_breaks(study):
 
     alone = computed(study, "1.h5")
     assert_identical(alone, computed(study, "2.h5", executor=Breaking(), reporter=Telling()))
-    said = [text for text in told if text.startswith("A branch is walked in the run's own process")]
+    said = [text for text in told if text.startswith("A branch is computed in the run's own process")]
     assert said
     assert all("BrokenProcessPool: A process in the pool was terminated abruptly." in text for text in said)
 

@@ -42,7 +42,7 @@ def held(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
         "failed",
         "no_convergence",
         f"Beyond {problem.free} = {a.z[-1]:.10g}, holding the undeclared neutral direction takes a force: "
-        "the motion does not come back but drifts along it with every round, and is no periodic orbit. "
+        "the motion does not come back but drifts along it with every period, and is no periodic orbit. "
         "Declare the direction with neutral=(Neutral(...),) to follow orbits that drift along it.",
     )
 
