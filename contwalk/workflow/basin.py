@@ -189,6 +189,10 @@ class _NewAttractors:
         course = self._course(Standpoint(entry["time"], entry["mode"], state))
         if course is None:
             return UNKNOWN
+        # What had not settled when it counted as having survived may have come to what is known.
+        for attractors in (self._basin.attractors, self._new):
+            if attractors.courses and (known := attractors.nearest(self._basin.study, course[-1])) != UNKNOWN:
+                return known
         survival = survival_of(self._basin.study)
         names = survival.system.state_names
         where = ", ".join(f"{name} {value:.6g}" for name, value in zip(names, course[-1], strict=True))
