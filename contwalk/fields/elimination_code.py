@@ -204,6 +204,8 @@ def _factor() -> str:
     t.block("singular")
     with t.loop("0") as k:
         t.store(_NAN, t.place(k, k))
+        # Behind a pivot that is zero nothing was chosen, and `contwalk_solved` goes to these places.
+        t.store(t.let(f"sitofp i64 {k} to double"), t.pivot_place(k))
     t.say("ret void")
     return t.function("@contwalk_factor(i64 %n, ptr %a)")
 
