@@ -17,10 +17,10 @@ import math
 
 import numpy as np
 
-from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import Segment
 from contwalk.data_class import dataclass
+from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Problem
 
@@ -66,7 +66,7 @@ def jumped(segment: Segment, iterations: int) -> bool:
         return False
     if not laborious and _smooth(segment, known):
         return False
-    arc = Arc(segment.ends, segment.tangents, segment.weights)
+    arc = HermiteCurve(segment.ends, segment.tangents, segment.weights)
     for halving in range(HALVINGS):
         middle = None if halving > 0 or laborious else _across(segment.problem, arc, arc.guess(0.5))
         if middle is None:
@@ -88,17 +88,17 @@ def jumped(segment: Segment, iterations: int) -> bool:
     return False
 
 
-def _nothing(arc: Arc, known: float) -> float:
+def _nothing(arc: HermiteCurve, known: float) -> float:
     """What an arc, whose ends are known to `known`, may depart by for no reason."""
     return max(NO_TURN, known / max(arc.length, 1e-300))
 
 
-def _smooth(arc: Arc, known: float) -> bool:
+def _smooth(arc: HermiteCurve, known: float) -> bool:
     """Whether an arc departs by no more than smooth ones do."""
     return arc.departure <= max(OF_TURN * arc.turn, _nothing(arc, known))
 
 
-def _from_both_ends(problem: Problem, arc: Arc) -> list[_Middle | None]:
+def _from_both_ends(problem: Problem, arc: HermiteCurve) -> list[_Middle | None]:
     """Where walks from an arc's ends, along their tangents, come to its middle; None where one does not."""
     shares = (0.5, -0.5)
     ends = zip(arc.ends, arc.tangents, shares, strict=True)
@@ -106,7 +106,7 @@ def _from_both_ends(problem: Problem, arc: Arc) -> list[_Middle | None]:
     return [_across(problem, arc, guess) for guess in guesses]
 
 
-def _across(problem: Problem, arc: Arc, guess: np.ndarray) -> _Middle | None:
+def _across(problem: Problem, arc: HermiteCurve, guess: np.ndarray) -> _Middle | None:
     """The solution near a guess in the plane across an arc's middle; None where none is found."""
     found = correct(problem, guess, arc.normal, arc.weights)
     if not found.ok or found.linearization is None:
@@ -117,10 +117,10 @@ def _across(problem: Problem, arc: Arc, guess: np.ndarray) -> _Middle | None:
         return None
 
 
-def _parts(arc: Arc, middle: _Middle) -> tuple[Arc, Arc]:
+def _parts(arc: HermiteCurve, middle: _Middle) -> tuple[HermiteCurve, HermiteCurve]:
     """The parts of an arc before and after its middle."""
     (a, b), (before, after) = arc.ends, arc.tangents
     return (
-        Arc((a, middle.z), (before, middle.tangent), arc.weights),
-        Arc((middle.z, b), (middle.tangent, after), arc.weights),
+        HermiteCurve((a, middle.z), (before, middle.tangent), arc.weights),
+        HermiteCurve((middle.z, b), (middle.tangent, after), arc.weights),
     )

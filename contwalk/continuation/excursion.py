@@ -11,10 +11,10 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.continuation import control, outcomes
-from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
+from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in, unit_in
 from contwalk.problems.problem import Problem, Sample, at_stored
 
@@ -51,7 +51,7 @@ def reentered(problem: Problem, state: ContinuationState, settings: Settings, si
             correction, there = found
             if correction.problem.diagnosis.ended(sample, there) is not None:
                 return None
-            arc = Arc((sample.z, there.z), (sample.tangent, there.tangent), sample.weights)
+            arc = HermiteCurve((sample.z, there.z), (sample.tangent, there.tangent), sample.weights)
             if control.inside(there.z, settings.bounds):
                 return _entry(correction.problem, arc, replace(state, s=s, step=length), settings, sign)
             if not control.inside(there.z, ends):
@@ -99,7 +99,7 @@ def _step(
 
 
 def _entry(
-    problem: Problem, arc: Arc, state: ContinuationState, settings: Settings, sign: float
+    problem: Problem, arc: HermiteCurve, state: ContinuationState, settings: Settings, sign: float
 ) -> Reentry | None:
     """The place at which a step that ends inside enters the range; its end where it hardly was outside.
 

@@ -6,14 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.continuation import outcomes
+from contwalk.continuation import control, outcomes
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.events import Plan
 from contwalk.continuation.kinds import kind_of
+from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening
+from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
 from contwalk.labels import OF_LOCI
-from contwalk.problems.problem import LimitType, PointType, Problem
+from contwalk.problems.problem import LimitType, PointType, Problem, Seed
 
 
 def grown(
@@ -56,10 +58,23 @@ def _openings(
     """The branches that leave a point; of one that cannot be begun, why."""
     try:
         for seed in kind.seeds(problem, point):
-            state = begin(seed.problem, seed.z, plan.settings, seed.tangent, seed.reach)
+            state = _begun(seed, plan.settings)
             if isinstance(state, ContinuationState):
                 yield Opening(seed.problem, state, one_sided=seed.one_sided)
             else:
                 yield outcomes.no_start(state.reason, state.sentence)
     except outcomes.BREAKDOWNS as error:
         yield outcomes.broken_by(error, f"The branch that leaves {point.name} cannot be begun")
+
+
+def _begun(seed: Seed, settings: Settings) -> ContinuationState | Correction:
+    """The first solution of a branch, inside the range if that of either side of its point is."""
+    first = begin(seed.problem, seed.z, settings, seed.tangent, seed.reach)
+    if seed.other_side is None or _inside(first, settings):
+        return first
+    other = begin(seed.problem, seed.other_side, settings, seed.tangent, seed.reach)
+    return other if _inside(other, settings) else first
+
+
+def _inside(state: ContinuationState | Correction, settings: Settings) -> bool:
+    return isinstance(state, ContinuationState) and control.inside(state.sample.z, settings.bounds)

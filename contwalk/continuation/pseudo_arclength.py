@@ -87,7 +87,7 @@ def walk(
                     number += 1
                     if outcome := _stop(step.segment.problem, found, record, settings):
                         place = replace(place, sample=replace(place.sample, unstable=found.after))
-                        yield End(outcome, end_record(problem, place, outcome, sign, record.error))
+                        yield End(outcome, end_record(problem, place, outcome, sign, point=record))
                         return
                 taken = step
                 state = _arrived(problem, step, state, sign, settings, before, origin.sample)
@@ -105,7 +105,8 @@ def walk(
         outcome = outcomes.stuck(
             reason, sentence, state.step, observer.line.free, state.sample.parameter, known
         )
-    yield End(outcome, end_record(problem, state, outcome, sign))
+    bound = _bound(state, settings, observer) if outcome.reason == "bound" else None
+    yield End(outcome, end_record(problem, state, outcome, sign, bound=bound))
 
 
 def _taken_up(
@@ -156,10 +157,14 @@ def _finished(
     """Why not to take another step, if there is a reason."""
     if number >= points:
         return outcomes.max_points(settings.max_points, problem.diagnosis.growth(state.sample.z))
+    reached = _bound(state, settings, observer)
+    return None if reached is None else outcomes.bound(*reached)
+
+
+def _bound(state: ContinuationState, settings: Settings, observer: Observer) -> tuple[str, float] | None:
+    """The parameter that is at an end of its range, and its value there."""
     place = state.bound_at(settings)
-    if place is not None:
-        return outcomes.bound(observer.line.names[-1 - place], float(state.sample.z[place]))
-    return None
+    return None if place is None else (observer.line.names[-1 - place], float(state.sample.z[place]))
 
 
 def _on_the_way(

@@ -9,10 +9,10 @@ from typing import Any, Protocol, cast
 import numpy as np
 
 from contwalk.branch import Branch
-from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite
+from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.problems.images import MOST_IMAGES, Product, imaged, in_words
 from contwalk.problems.problem import Problem, Sample, at_stored, equations_at
 from contwalk.problems.restoring import problem_of
@@ -173,7 +173,7 @@ def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bo
     return any(
         _passes(
             problem,
-            Arc((rows[i], rows[i + 1]), (tangents[i], tangents[i + 1]), own[i]),
+            HermiteCurve((rows[i], rows[i + 1]), (tangents[i], tangents[i + 1]), own[i]),
             turned,
             along,
             weights,
@@ -182,7 +182,9 @@ def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bo
     )
 
 
-def _passes(problem: _Imaged, arc: Arc, z: np.ndarray, along: np.ndarray, weights: np.ndarray) -> bool:
+def _passes(
+    problem: _Imaged, arc: HermiteCurve, z: np.ndarray, along: np.ndarray, weights: np.ndarray
+) -> bool:
     """Whether an arc of a branch passes a solution, of whatever metric, in its direction.
 
     Near a point where branches cross, the corrector may find the other one, and a place alone tells nothing.
@@ -196,9 +198,9 @@ def _passes(problem: _Imaged, arc: Arc, z: np.ndarray, along: np.ndarray, weight
             break
         place, way = middle
         if theta < 0.5:
-            arc = Arc((arc.ends[0], place), (arc.tangents[0], way), arc.weights)
+            arc = HermiteCurve((arc.ends[0], place), (arc.tangents[0], way), arc.weights)
         else:
-            arc = Arc((place, arc.ends[1]), (way, arc.tangents[1]), arc.weights)
+            arc = HermiteCurve((place, arc.ends[1]), (way, arc.tangents[1]), arc.weights)
     theta = arc.position(z)
     there, way, along = arc.guess(theta), arc.direction(theta) / arc.weights, along / arc.weights
     length = np.linalg.norm(way) * np.linalg.norm(along)
@@ -212,7 +214,7 @@ def _passes(problem: _Imaged, arc: Arc, z: np.ndarray, along: np.ndarray, weight
     return correction.ok and met and float(np.max(apart / weights)) < MET
 
 
-def _middle(problem: _Imaged, arc: Arc) -> tuple[np.ndarray, np.ndarray] | None:
+def _middle(problem: _Imaged, arc: HermiteCurve) -> tuple[np.ndarray, np.ndarray] | None:
     """The branch's own solution half way along an arc and its tangent; None where that is not to be had."""
     guess = arc.guess(0.5)
     correction = correct(problem, guess, arc.normal, arc.weights)
@@ -326,7 +328,7 @@ def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 
             continue
         before, after = (branch.points["tangent"][i][: len(a)] for i in (k, k + 1))
         try:
-            found = _at_level(problem, branch, Arc((a, b), (before, after), weights), level)
+            found = _at_level(problem, branch, HermiteCurve((a, b), (before, after), weights), level)
         except (NotFinite, np.linalg.LinAlgError):
             continue
         if found is None:
@@ -350,7 +352,9 @@ def _free(problem: _Closed, z: np.ndarray) -> list[float]:
     return [values[name] for name in problem.line.names if name in values]
 
 
-def _at_level(problem: _Closed, branch: Branch, arc: Arc, level: Level) -> tuple[_Closed, np.ndarray] | None:
+def _at_level(
+    problem: _Closed, branch: Branch, arc: HermiteCurve, level: Level
+) -> tuple[_Closed, np.ndarray] | None:
     """The orbit on an arc of a stored branch at a level, with its problem.
 
     It is corrected across the arc: at the parameter itself the equations are singular at a fold, and nearly

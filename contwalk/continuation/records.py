@@ -8,10 +8,11 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation.kinds import kind_of_test
-from contwalk.continuation.locating import Found
+from contwalk.continuation.locating import SAME_POINT, Found
 from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite
-from contwalk.problems.problem import Located, Problem, Test
+from contwalk.numerics.linear import norm_in
+from contwalk.problems.problem import Located, Problem, Sample, Test
 
 
 def found_record(problem: Problem, found: Found, s: float, sign: float) -> SpecialPoint:
@@ -52,16 +53,29 @@ def _described(problem: Problem, found: Found, s: float) -> SpecialPoint:
 
 
 def end_record(
-    problem: Problem, state: ContinuationState, outcome: Outcome, sign: float, error: float | None = None
+    problem: Problem,
+    state: ContinuationState,
+    outcome: Outcome,
+    sign: float,
+    *,
+    point: SpecialPoint | None = None,
+    bound: tuple[str, float] | None = None,
 ) -> SpecialPoint:
     """The record of an end point; its note keeps the outcome's sentence.
 
-    `error` is that of the special point that ends the branch. Elsewhere the parameter is what it is.
+    `point` is the special point that ends the branch: its errors are the end's. Elsewhere the parameter is
+    what it is. Of a curve in two parameters that holds of neither: where it meets an end of the range, the
+    parameter `bound` with its value, it is located; elsewhere nothing tells its errors.
     """
-    if error is None:
-        error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(state.sample.parameter)))
-    located = Located(state.sample.z, error)
+    error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(state.sample.parameter)))
+    located, known = Located(state.sample.z, error), problem.line.second is None
+    if not known and bound is not None and (met := _at_bound(problem, state.sample, *bound)) is not None:
+        located, known = met, True
     record = kind_of_test(problem, Test.END).describe(problem, located, state.sample, state.s)
+    if point is not None:
+        record = replace(record, error=point.error, errors=point.errors)
+    elif not known:
+        record = replace(record, error=None, errors={})
     count = state.sample.unstable + state.sample.held_unstable
     return replace(
         record,
@@ -72,6 +86,17 @@ def end_record(
         admissible=record.admissible and not state.sample.forbidden,
         note=outcome.message,
     )
+
+
+def _at_bound(problem: Problem, sample: Sample, name: str, value: float) -> Located | None:
+    """The point beside a sample at which a parameter has a value; None where it is not found."""
+    found = problem.observed.locate_mark(name, value, sample)
+    settled = None if found is None else found.settled()
+    if settled is None or norm_in(settled.z - sample.z, sample.weights) > SAME_POINT:
+        return None
+    z = settled.z.copy()
+    z[-1 - problem.line.names.index(name)] = value
+    return replace(settled, z=z)
 
 
 def start_record(

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import Correction, correct
+from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Problem, Sample
 
@@ -20,7 +20,7 @@ class LostBranch(Exception):
     """A point inside the segment could not be computed."""
 
 
-class Segment(Arc):
+class Segment(HermiteCurve):
     """Solutions between samples `a` and `b`, by position theta in 0..1 along the chord.
 
     `problem` is remeshed where its discretisation does not reach one of them.

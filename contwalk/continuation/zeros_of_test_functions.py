@@ -21,9 +21,11 @@ NARROWER = 12
 NEAR_ZERO = 0.1
 # The same where values are those beside solutions.
 DOUBTFUL = 0.3
-# A bracket of a change of sign is halved so often; at a pole both values then are so many times the first
-# ones, and none of them has ever fallen below this part of the first one of its side.
-HALVINGS, GROWN, SHRUNK = 24, 100.0, 0.5
+# A bracket of a change of sign is narrowed until both values are so many times the first ones, as at a pole,
+# or one is below this part of the first one of its side; at the most so often, each time to such parts:
+# halves would meet a pole in the middle, where there is no value.
+NARROWINGS, GROWN, SHRUNK = 30, 100.0, 0.5
+SHARES = (0.47, 0.55)
 
 
 def zeros_of_test_functions(segment: Segment) -> list[Found]:
@@ -59,7 +61,8 @@ def _of_kind(segment: Segment, kind: PointType) -> list[Found]:
             found = locate(segment, kind, low, high, value, 0, (first, last))
         except NotFinite:  # right at such a point there may be no solution to begin at: then beside it
             found = accepted(segment, kind, segment.at(low), 0, low, high)
-        if found is None:
+        # What is larger there than beside it is no zero, but a place at which a pole was taken for one.
+        if found is None or abs(kind.value(segment.problem, found.sample)) > max(abs(first), abs(last)):
             raise Disagreement(
                 kind, f"The test function of points {kind.label} passes zero, but none is found."
             )
@@ -75,15 +78,17 @@ def _is_pole(
     The nearer to a pole, the larger it is; the nearer to a zero, the smaller.
     """
     (low, high), beside = places, list(values)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        inside = value(middle)
+    for _ in range(NARROWINGS):
+        if min(map(abs, beside)) > GROWN * max(map(abs, values)):
+            return True
+        tried = ((middle, value(middle)) for middle in (low + share * (high - low) for share in SHARES))
+        middle, inside = next(((m, v) for m, v in tried if np.isfinite(v)), (low, float("nan")))
         side = 0 if inside * beside[0] > 0.0 else 1
         if not abs(inside) > SHRUNK * abs(values[side]):
             return False
         beside[side] = inside
         low, high = (middle, high) if side == 0 else (low, middle)
-    return min(map(abs, beside)) > GROWN * max(map(abs, values))
+    return False
 
 
 def _may_pass(segment: Segment, kind: PointType) -> bool:

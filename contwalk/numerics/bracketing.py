@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TypeVar
 
 T = TypeVar("T")
+
+TINY = 1e-300
 
 
 def narrow(
@@ -23,7 +26,7 @@ def narrow(
     Parameters
     ----------
     value : callable
-        A function of position with opposite signs at `low` and `high`.
+        A function of position with opposite signs at `low` and `high`, or exactly zero at one of them.
     attempt : callable
         `attempt(position, low, high)` is asked after every evaluation; the first result that is not None is
         returned.
@@ -36,6 +39,11 @@ def narrow(
     else bisection.
     """
     a, fa, b, fb = high, value_high, low, value_low
+    for end, zero in ((high, value_high == 0.0), (low, value_low == 0.0)):
+        if zero and (found := attempt(end, low, high)) is not None:
+            return found
+    # A zero at an end has the sign that the function would have beyond it.
+    fa, fb = fa or -math.copysign(TINY, fb), fb or -math.copysign(TINY, fa)
     c, fc = a, fa
     t = 0.5
     if fa != fb:

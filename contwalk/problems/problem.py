@@ -66,7 +66,8 @@ class Seed:
 
     `reach(change)` estimates how far each unknown moves along it while the parameter changes so much, shape
     (N + 1,), for unknowns that are zero at the point. `problem` is whose solutions they are. `one_sided`:
-    the other direction leads to the same solutions once more.
+    the other direction leads to the same solutions once more. `other_side` is a place as good to begin at, on
+    the other side of the point: one of both may be out of the range.
     """
 
     label: str
@@ -75,6 +76,7 @@ class Seed:
     reach: Callable[[float], np.ndarray] | None
     problem: Problem
     one_sided: bool = False
+    other_side: np.ndarray | None = None
 
 
 class Test(Enum):

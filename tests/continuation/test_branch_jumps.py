@@ -12,12 +12,12 @@ import pytest
 from made_up import LINE, MadeUp
 
 from contwalk.continuation import branch_jumps
-from contwalk.continuation.arc import Arc
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.segment import Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.step import take_step
+from contwalk.numerics.hermite_curve import HermiteCurve
 
 # Of a branch z(lam) of two states, written as a complex number: the place and its rate.
 Curve = Callable[[float], tuple[complex, complex]]
@@ -188,7 +188,7 @@ def test_an_arc_of_a_circle_turns_by_its_angle_and_does_not_depart():
     for turn in (1e-3, 0.2):
         ends = [np.array([math.cos(a), math.sin(a)]) for a in (0.3, 0.3 + turn)]
         tangents = [np.array([-end[1], end[0]]) for end in ends]
-        arc = Arc((ends[0], ends[1]), (tangents[0], 3.0 * tangents[1]), np.ones(2))
+        arc = HermiteCurve((ends[0], ends[1]), (tangents[0], 3.0 * tangents[1]), np.ones(2))
         assert arc.turn == pytest.approx(turn, rel=1e-9)
         assert arc.departure < 1e-12
 
@@ -196,7 +196,7 @@ def test_an_arc_of_a_circle_turns_by_its_angle_and_does_not_depart():
 def test_an_arc_whose_curvature_begins_departs_by_a_sixth_of_its_turn():
     """y = x^3 / 6 from 0 to h: the tangent turns by h^2 / 2, and the chord rises by h^2 / 6."""
     h = 1e-2
-    arc = Arc(
+    arc = HermiteCurve(
         (np.zeros(2), np.array([h, h**3 / 6.0])),
         (np.array([1.0, 0.0]), np.array([1.0, h * h / 2.0])),
         np.ones(2),

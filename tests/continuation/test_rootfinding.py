@@ -96,3 +96,18 @@ def test_an_exact_zero_that_is_refused_ends_the_search():
 def test_the_order_of_the_ends_does_not_matter():
     asked = Asked(lambda x: x**3 - 0.2, 0.2 ** (1.0 / 3.0))
     assert asked.narrowed(1.0, 0.0) == pytest.approx(0.2 ** (1.0 / 3.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("end", [0.0, 1.0])
+def test_a_root_at_an_end_is_tried_there_first(end):
+    asked = Asked(lambda x: x - end, end)
+    assert asked.narrowed(0.0, 1.0) == end
+    assert asked.places == []
+
+
+@pytest.mark.parametrize("end", [0.0, 1.0])
+def test_beside_a_root_at_an_end_every_bracket_holds_it(end):
+    """Where nothing is accepted right at the end, as where equations are singular there."""
+    asked = Asked(lambda x: x - end, end, near=-1.0)
+    assert asked.narrowed(0.0, 1.0) is None
+    assert all(low <= end <= high for low, high in asked.brackets)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from made_up import MadeUp, at
 
+from contwalk.continuation.locating import Disagreement
 from contwalk.continuation.zeros_of_test_functions import zeros_of_test_functions
 from contwalk.problems.problem import Located, PointType, Sample
 from contwalk.problems.problem import Test as Told
@@ -49,3 +50,36 @@ def test_no_solution_is_computed_where_a_function_of_places_passes_nothing() -> 
     before = problem.evaluated
     assert zeros_of_test_functions(segment) == []
     assert problem.evaluated == before
+
+
+class Pole(Zero):
+    """The inverse of x - p, which has no value right at p: it changes its sign there, and is nowhere zero."""
+
+    def value(self, problem: MadeUp, sample: Sample) -> float:
+        apart = sample.z[0] - self.zeros[0]
+        return 1.0 / apart if abs(apart) > 1e-6 else float("nan")
+
+
+@pytest.mark.parametrize("share", [0.625, 0.5625, 0.6])
+def test_a_pole_that_is_met_in_the_middle_of_a_bracket_is_no_zero(share) -> None:
+    problem = curve(Zero(()))
+    segment = problem.segment([0.0, 0.0], [0.4, 0.464])
+    problem.point_types = (Pole((float(segment.at(share).z[0]),)),)
+    assert zeros_of_test_functions(segment) == []
+
+
+class Elsewhere(Zero):
+    """A zero that Newton's method misses: it ends where the function is larger than at both ends."""
+
+    def locate(self, problem: MadeUp, sample: Sample, which: int) -> Located | None:
+        return at(0.2, 0.2 + 0.2**3)
+
+    def value(self, problem: MadeUp, sample: Sample) -> float:
+        return 50.0 if sample.z[0] == 0.2 else sample.z[0] - self.zeros[0]
+
+
+def test_what_is_larger_than_beside_it_is_no_zero() -> None:
+    problem = curve(Elsewhere((0.21,)))
+    segment = problem.segment([0.0, 0.0], [0.4, 0.464])
+    with pytest.raises(Disagreement):
+        zeros_of_test_functions(segment)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Outcome
+from contwalk.errors import NotFinite
+from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.problems.kink import Kink, Met
 from contwalk.problems.locus.persistence import not_persistent, unfolds
 from contwalk.problems.orbit.vanishing import shrunk
@@ -16,6 +18,9 @@ from contwalk.problems.sample import Sample
 
 # Cycles this small, against the largest of the curve, have shrunk to nothing.
 NEARLY_SHRUNK = 2e-2
+# An orbit this far from repeating itself, or from being its own image, in units of its range, is not that by
+# errors; what is left of it where that passes zero between two orbits is this part of what it is at either.
+APPARENT, PASSED = 1e-5, 0.05
 
 
 class OrbitLocusDiagnosis:
@@ -31,7 +36,45 @@ class OrbitLocusDiagnosis:
         """Branch points that do not persist, and where the orbits end."""
         if self.unfolded(b.z):
             return Outcome("failed", "no_convergence", not_persistent(self._problem, b.z))
-        return self._orbits_end(a, b) or self._shrinks(a, b)
+        return self._orbits_end(a, b) or self._shrinks(a, b) or self._rejoins(a, b)
+
+    def _rejoins(self, a: Sample, b: Sample) -> Outcome | None:
+        """The end of a curve whose orbits become their parent: one gone through twice, or its own image.
+
+        Beyond it the same orbits follow, half a closure later or as images: so it is of tori of doubled
+        orbits at a resonance 1:2, and of their folds at a generalized doubling.
+        """
+        before = self._asymmetries(a.z)
+        if not any(apart > APPARENT for apart in before.values()):
+            return None
+        after = self._asymmetries(b.z)
+        for name, first in before.items():
+            last = after.get(name, 0.0)
+            if not first > APPARENT:
+                continue
+            share = first / (first + last)
+            between = HermiteCurve((a.z, b.z), (a.tangent, b.tangent), a.weights).guess(share)
+            left = self._asymmetries(between).get(name, np.inf)
+            if last > APPARENT and left > PASSED * min(first, last):
+                continue
+            values = self._plane.values_of(between if last > APPARENT else b.z)
+            place = ", ".join(f"{free} = {values[free]:.6g}" for free in self._plane.free)
+            return Outcome(
+                "complete",
+                "rejoined",
+                f"The orbits become the one that they were born from near {place}: its own curve has a point "
+                "there at which this curve is born. Nothing to do.",
+            )
+        return None
+
+    def _asymmetries(self, z: np.ndarray) -> Mapping[str, float]:
+        """How far the orbit of z, shape (N + k + 2,), is from what a parent of it may be; {} if unknown."""
+        there, own = self._plane.first(z)
+        try:
+            found: Mapping[str, float] = there.asymmetries(own)
+        except NotFinite:
+            return {}
+        return found
 
     def _shrinks(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve whose cycles shrink to nothing, as folds do at a generalized Hopf point.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
@@ -160,3 +161,8 @@ class R2OnDoublings(SecondMultiplier):
     """A second multiplier is minus one."""
 
     label, multiplier = "R2", -1.0
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of tori, and that of the tori of doubled orbits where these have any."""
+        births: Any = import_module("contwalk.problems.locus.doubled_tori")  # it knows curves of orbits
+        return [*super().seeds(problem, point), *births.tori_of_doubled_orbits(problem, point)]

@@ -124,8 +124,8 @@ def _begun(problem: Any, point: SpecialPoint, choose: Any, tangents: Any = None)
             return []
         if tangents is not None:
             return [Seed(curve.of, place, t, None, other) for t in tangents(other, place, scale)]
-        beside = place + BESIDE * kernel_direction(jacobian, scale)
-        return [Seed(curve.of, beside, None, None, other)]
+        aside = BESIDE * kernel_direction(jacobian, scale)
+        return [Seed(curve.of, place + aside, None, None, other, other_side=place - aside)]
     except (NotFinite, PluginError, np.linalg.LinAlgError):
         return []
 

@@ -49,8 +49,8 @@ def born(problem: Any, point: SpecialPoint, curve: Curve, own: float = 0.0) -> l
         return []
     told = there.magnitudes
     weights = np.where(np.isfinite(told) & (told > 0.0), told, 1.0)
-    beside = z + BORN_BESIDE * kernel_direction(there.jacobian, weights)
-    return [Seed(curve.of, beside, None, None, other)]
+    aside = BORN_BESIDE * kernel_direction(there.jacobian, weights)
+    return [Seed(curve.of, z + aside, None, None, other, other_side=z - aside)]
 
 
 def located_by(

@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.numerics.linear import norm_in
 
 
-class Arc:
+class HermiteCurve:
     """Cubic Hermite interpolation between two solutions, by position theta in 0..1 along the chord.
 
     Parameters

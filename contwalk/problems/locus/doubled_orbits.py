@@ -1,0 +1,118 @@
+"""Doubled orbits beside a point of a curve of doublings, and curves of their bifurcations born there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import ContwalkError
+from contwalk.numerics.linear import kernel_direction
+from contwalk.problems.locus.orbit_curves import CURVES
+from contwalk.problems.locus.orbit_places import OrbitPlane
+from contwalk.problems.orbit.branching import filled_magnitudes
+from contwalk.problems.orbit.solving import newton_on
+from contwalk.problems.problem import Seed
+
+# How far along the curve of doublings the first doubled orbit is looked for, in the metric.
+ASIDE = (1e-2, 3e-2, 3e-3, 1e-1)
+# The amplitude of the first of two orbits, over the root of that.
+AMPLITUDE = 0.3
+# What is looked for is expected no farther from that amplitude than by these factors,
+LEAST, MOST = 0.1, 6.0
+# and what is found is what is expected where its amplitude is that by these.
+SMALLER, LARGER = 0.7, 1.4
+
+
+class DoubledOrbits:
+    """The orbits that are born at a doubling, by their amplitude.
+
+    Parameters
+    ----------
+    problem : OrbitLocus
+        The curve of doublings.
+    z : ndarray, shape (N + 2,)
+        One of its solutions.
+    origin : ndarray, shape (2,)
+        The second and the first parameter at the point that a curve is born at.
+    """
+
+    def __init__(self, problem: Any, z: np.ndarray, origin: np.ndarray) -> None:
+        self._curve, self._z, self._origin = problem, z, origin
+        orbit, own = problem.plane.first(z)
+        (self._seed,) = orbit.finely(own).doubled_from(own)
+        self.problem: Any = self._seed.problem
+        self._sizes = filled_magnitudes(self.problem, self._seed.z)
+        self._sizes[-1] = problem.weights[-1]
+        assert self._seed.tangent is not None
+        self._swing = self._seed.tangent / np.linalg.norm(self._seed.tangent / self._sizes)
+
+    @property
+    def free(self) -> float:
+        """The first parameter at the doubling."""
+        return float(self._seed.z[-1])
+
+    def of(self, amplitude: float) -> np.ndarray:
+        """The doubled orbit of an amplitude, shape (M + 1,).
+
+        Raises
+        ------
+        ContwalkError, LinAlgError
+            If there is none.
+        """
+        guess = self._seed.z + amplitude * self._swing
+        return newton_on(self.problem, guess, self._sizes, self._swing / self._sizes**2)
+
+    def curve(self, label: str, expected: float, further: Sequence[float] = ()) -> Seed | None:
+        """The curve of a bifurcation of the doubled orbits, begun at that of the expected amplitude.
+
+        `further` are the unknowns that the curve has beside the orbit's. None if there is none of about that
+        amplitude.
+        """
+        guess = self.of(expected)
+        first = np.concatenate([guess[:-1], [self._z[-2]], guess[-1:]])
+        there, place = OrbitPlane(self.problem, self._curve.plane.free).first(first)
+        made = there.finely(place)
+        near = np.concatenate([guess[:-1], further, first[-2:]])
+        sizes = [filled_magnitudes(made, place)[:-1], np.ones(len(further)), self._curve.weights[-2:]]
+        weights = np.concatenate(sizes)
+        curve = self._curve.on(made, near, weights, CURVES[label])
+        swing, n = self._swing[:-1], len(guess) - 1
+        held = np.concatenate([swing, np.zeros(len(near) - n)]) / weights**2
+        solved = newton_on(curve, near, weights, held)
+        amplitude = float(held[:n] @ (solved[:n] - self._seed.z[:-1])) / float(held[:n] @ swing)
+        if not SMALLER * expected < amplitude < LARGER * expected:
+            return None
+        # Towards the point itself doubled orbits shrink to the single one: only the other way is walked.
+        away = kernel_direction(curve.jacobian(solved), weights)
+        away = away * (np.sign(float((away / weights**2)[-2:] @ (solved[-2:] - self._origin))) or 1.0)
+        return Seed(label, solved, away, None, curve, one_sided=True)
+
+
+def found_beside(
+    problem: Any, point: SpecialPoint, born: Callable[[DoubledOrbits, float], Seed | None]
+) -> Sequence[Seed]:
+    """What is born beside a point of a curve of doublings, at the first place that has it; else none.
+
+    `born` is asked with the doubled orbits to both sides of the point, and the amplitude to begin at.
+    """
+    z, weights = np.array(point.unknowns), problem.weights
+    tangent = kernel_direction(problem.jacobian(z), weights)
+    for aside in ASIDE:
+        for sign in (1.0, -1.0):
+            try:
+                beside = newton_on(problem, z + sign * aside * tangent, weights, tangent / weights**2)
+                found = born(DoubledOrbits(problem, beside, z[-2:]), AMPLITUDE * aside**0.5)
+            except (ContwalkError, np.linalg.LinAlgError):
+                continue
+            if found is not None:
+                return [found]
+    return []
+
+
+def root_of(squared: float, r: float) -> float | None:
+    """The amplitude whose square this is, if it is one near r."""
+    near = LEAST * r < (amplitude := float(np.sqrt(max(squared, 0.0)))) < MOST * r
+    return amplitude if near else None

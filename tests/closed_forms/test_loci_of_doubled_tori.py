@@ -1,0 +1,106 @@
+"""A resonance 1:2 in closed form: curves of doublings, tori, and tori of doubled orbits meet there.
+
+The map (x, y) -> (-x + y, -y + e1 x + e2 y + c x^3 + d x^2 y) commutes with half a turn. Doubled orbits are
+(x, 0), (-x, 0) with x^2 = -e1 / c. Half of one, turned, has the trace 2 - e2 + d e1 / c and the determinant
+1 + 2 e1 - e2 + d e1 / c: tori where e2 = (2 + d / c) e1, 0 < e1 < 2, of the angle 2 acos(1 - e1). The single
+orbit doubles where e1 = 0, and has tori where e2 = -e1, e1 < 0. Its cubic coefficient c / e2 has a pole at
+the resonance, and no zero.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hybrid_runs import branch_of
+from loci_of_orbits import FINE, WALKED, assert_at, labels, largest, map_as_machine, studied
+
+import contwalk as cw
+
+pytestmark = pytest.mark.slow
+
+C, D = -1.0, 0.3
+SLOPE = 2.0 + D / C
+
+PLUGIN = """
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def still(t, x, p, dx):
+    dx[0] = 0.0 * x[0]
+    dx[1] = 0.0 * x[1]
+
+def kick(t, x, p, x_plus):
+    x_plus[0] = -x[0] + x[1]
+    x_plus[1] = -x[1] + p.e1 * x[0] + p.e2 * x[1] - x[0] ** 3 + 0.3 * x[0] ** 2 * x[1]
+
+SYSTEM = System(
+    "resonant", about="a map with a resonance 1:2",
+    states=(State("x", scale=1.0), State("y", scale=1.0)),
+    parameters=(Parameter("e1", 0.3), Parameter("e2", 0.4)),
+    modes=(Mode("still", still),),
+    transitions=(
+        Transition("kick", "still", "still", lambda t, x, p: (t % 1.0) - 0.5, "rising", reset=kick),
+    ),
+    period=lambda p: 1.0,
+)
+"""
+
+RUN = """
+contwalk: 1
+system: ./resonant.py
+accuracy: 1e-9
+start: {state: {x: 0.0, y: 0.0}}
+parameters: {e1: -0.3, e2: 0.2}
+continue: {parameter: e1, range: [-0.4, 0.4]}
+diagram: {follow: [PD]}
+loci: {with: e2, range: [-0.3, 0.45], of: [NS, PD], follow: all}
+figures: []
+"""
+
+
+def resonant():
+    return map_as_machine(
+        lambda x, p: (
+            -x[0] + x[1],
+            -x[1] + p.e1 * x[0] + p.e2 * x[1] + C * x[0] ** 3 + D * x[0] ** 2 * x[1],
+        ),
+        "xy",
+        {"e1": 0.1, "e2": 0.3},
+    )
+
+
+def test_every_curve_of_the_resonance_is_found(tmp_path):
+    _, branches, _ = studied(tmp_path, "resonant", PLUGIN, RUN)
+    curves = {
+        (b.info.settings["of"], len(b.info.signature)): b for b in branches if b.info.problem == "locus"
+    }
+    assert sorted(curves) == [("NS", 1), ("NS", 2), ("PD", 1)]
+    tori, doublings, doubled = curves["NS", 1], curves["PD", 1], curves["NS", 2]
+    assert largest(doublings["e1"]) < WALKED
+    assert labels(doublings) == ["R2"]  # no zero of the cubic coefficient is made of its pole
+    assert largest(tori["e2"] + tori["e1"]) < WALKED
+    assert labels(tori) == ["R2"]
+    for curve in (tori, doublings):
+        assert_at(curve, "R2", [(0.0, 0.0)])
+    assert doubled.info.origin.endswith("/R21")
+    assert largest(doubled["e2"] - SLOPE * doubled["e1"]) < WALKED
+    (end,) = [p for p in doubled.special_points if p.kind == "bound"]
+    # an end of the range of one parameter is a place of the curve, and the other has its own error
+    assert abs(end.parameters["e1"] - 0.45 / SLOPE) <= end.errors["e1"] == end.error < 1e-8
+    assert end.parameters["e2"] == 0.45
+
+
+def test_tori_of_doubled_orbits_end_where_these_become_single():
+    x = math.sqrt(0.1)
+    start = [x, 0.0]
+    branch = branch_of(resonant(), "e1", (0.05, 0.4), start, {"e1": 0.1, "e2": 0.3})
+    curve = cw.continue_locus(resonant(), branch, "NS1", {"e1": (-0.5, 0.6), "e2": (-1.0, 1.5)}, **FINE)
+    assert labels(curve) == ["R3", "R4"]  # none made up where it ends
+    assert_at(curve, "R4", [(1.0 - math.sqrt(0.5), SLOPE * (1.0 - math.sqrt(0.5)))])
+    assert_at(curve, "R3", [(0.5, 0.5 * SLOPE)])
+    assert largest(curve["e2"] - SLOPE * curve["e1"]) < WALKED
+    (end,) = [p for p in curve.special_points if p.kind == "rejoined"]
+    assert end.error is None  # a place on the way, whose parameters nothing tells the errors of
+    assert np.hypot(end.parameters["e1"], end.parameters["e2"]) < 1e-3
+    assert "become the one that they were born from" in end.note
