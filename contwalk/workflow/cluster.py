@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from contwalk.errors import ContwalkError
 
+ADDRESS = re.compile(r"(inproc://.+|.+:\d+)/?")
 WAIT = 10.0  # seconds, for the scheduler to answer
 # A task whose worker dies is computed again by another one, so many times.
 MOST_LOST = 3
@@ -69,11 +71,16 @@ def executor_at(address: str | None) -> Iterator[Cluster | None]:
     Raises
     ------
     ContwalkError
-        If dask.distributed is not installed, or no scheduler answers.
+        If it is no address, dask.distributed is not installed, or no scheduler answers.
     """
     if address is None:
         yield None
         return
+    if not ADDRESS.fullmatch(address):
+        raise ContwalkError(
+            f"--scheduler is '{address}', which is no address: it names no port.",
+            "Give the address that dask scheduler tells, such as tcp://10.0.0.1:8786.",
+        )
     if importlib.util.find_spec("distributed") is None:
         raise ContwalkError(
             "--scheduler needs dask.distributed, which is not installed.",

@@ -21,6 +21,13 @@ def test_without_the_extra_it_says_what_to_install(contwalk, oscillator, monkeyp
     assert not list(oscillator.glob("*_margins.h5"))
 
 
+def test_what_is_no_address_is_told_before_anything_is_tried(contwalk, oscillator):
+    done = contwalk("margins", "oscillator.yaml", "--scheduler", "nonsense")
+    assert done.code == 2
+    assert "it names no port" in " ".join(done.err.split())
+    assert "Traceback" not in done.err
+
+
 def test_processes_here_beside_a_cluster_are_refused(contwalk, oscillator):
     done = contwalk("margins", "oscillator.yaml", "--scheduler", "tcp://127.0.0.1:1", "--jobs", "2")
     assert done.code == 2
