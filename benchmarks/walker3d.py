@@ -98,7 +98,7 @@ PARTS = (
         ],
     ),
     Part("rates of multipliers", ["contwalk.problems.orbit.rates:of_modulus"]),
-    Part("observables, the reported state", modules=["contwalk.problems.hybrid.observing"]),
+    Part("observables, the reported state", modules=["contwalk.problems.orbit.observing"]),
     Part("Newton's corrections", ["contwalk.continuation.newton:correct"]),
     Part("records on disk", modules=["contwalk.storage"]),
 )

@@ -22,9 +22,12 @@ def check_cut_powers(report: Report, name: str, field: Traced, system: System) -
     """Warn of powers below the second whose base is cut at zero, in a mode's field."""
     graph = field.program.graph
     own = ancestors(graph, roots(field.program.tree))
+    asked = {
+        node for key in graph.nodes if key[0] in ("lt", "le") and graph.zero in key[1:] for node in key[1:]
+    }
     for key in (graph.nodes[node] for node in own):
         exponent = _exponent(graph, key)
-        if exponent is None or not exponent < BOUNDED or not _cut_at_zero(graph, key[1]):
+        if exponent is None or not exponent < BOUNDED or not _cut_at_zero(graph, key[1], asked):
             continue
         what = "slope" if exponent < 1.0 else "second derivative"
         report.add(
@@ -44,11 +47,10 @@ def _exponent(graph: Graph, key: Key) -> float | None:
     return graph.value(key[2]) if key[0] == "pow" else None
 
 
-def _cut_at_zero(graph: Graph, base: int) -> bool:
-    """Whether a node is max(u, 0), or its sign is asked for."""
+def _cut_at_zero(graph: Graph, base: int, asked: set[int]) -> bool:
+    """Whether a node is max(u, 0), or its sign is asked for, as that of others is."""
     key = graph.nodes[base]
     if key[0] == "max":
         return graph.zero in key[1:]
     same = {base, *(key[1:] if key[0] == "neg" else ())}
-    same |= {node for node, other in enumerate(graph.nodes) if other == ("neg", base)}
-    return any(k[0] in ("lt", "le") and graph.zero in k[1:] and same & set(k[1:]) for k in graph.nodes)
+    return bool(same & asked) or any(graph.nodes[node] == ("neg", base) for node in asked)

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contwalk.errors import NotFinite, PluginError, called
+from contwalk.errors import NotFinite, PluginError
+from contwalk.flow.forcing import answered
 from contwalk.python_functions import line_of
 from contwalk.system import System
-from contwalk.system.declarations import ParameterValues
 
 
 def period_at(system: System, parameters: Mapping[str, float]) -> float:
@@ -28,7 +28,7 @@ def period_at(system: System, parameters: Mapping[str, float]) -> float:
             raise NotFinite(
                 f"The parameter '{name}' is {value} there.", "Nothing to mend: a shorter step is taken."
             )
-    return positive(system, float(called("period", system.period, ParameterValues(**parameters))))
+    return positive(system, answered(system, parameters))
 
 
 def positive(system: System, period: float) -> float:

@@ -66,6 +66,10 @@ class Linearization:
         assert found is not None
         return found
 
+    def with_row(self, value: float | np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The equations and one more: their values and derivatives, shapes (N + 1,) and (N + 1, N + 1)."""
+        return np.append(self.residual, value), np.vstack([self.jacobian, row])
+
     def bordered(self, row: np.ndarray, weights: np.ndarray) -> Factorization:
         """[DF; row], factored; kept until another row is asked for.
 

@@ -56,6 +56,14 @@ def test_velocities_and_multipliers_are_the_closed_form(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
+def test_max_abs_is_that_of_the_whole_cycle(name: str) -> None:
+    """A deviation is multiplied twice, once in each half."""
+    parent = walked(name)[0]
+    of_the_half = np.abs(parent.points["spectrum"]).max(axis=1)
+    assert np.array_equal(parent["max_abs"], of_the_half**2)
+
+
+@pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("accuracy", [ACCURACY, 1e-6])
 def test_symmetry_is_lost_where_a_multiplier_of_the_half_is_minus_one(name: str, accuracy: float) -> None:
     rocks, n, beta, range_ = CASES[name]

@@ -8,15 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from contwalk.errors import called
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.field import Field
 from contwalk.flow.events.guard import EPSILON, Guard
 from contwalk.flow.events.jump_instants import JumpInstants
+from contwalk.flow.forcing import answered
 from contwalk.flow.hybrid.code import HybridCode, ModeCode, hybrid_code
 from contwalk.flow.hybrid.guard_taylor import GuardTaylor
 from contwalk.system import System, Transition
-from contwalk.system.declarations import ParameterValues
 
 
 class ModeFlow:
@@ -67,8 +66,7 @@ class ModeFlow:
         system = self.code.system
         if system.period is None:
             return None
-        named = dict(zip(system.parameter_names, self.p.tolist(), strict=True))
-        period = float(called("period", system.period, ParameterValues(**named)))
+        period = answered(system, dict(zip(system.parameter_names, self.p.tolist(), strict=True)))
         return period if 0.0 < period < math.inf else None
 
     def constants(self, field: CompiledField) -> np.ndarray:

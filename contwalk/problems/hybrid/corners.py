@@ -21,7 +21,7 @@ from contwalk.problems.hybrid.jumping_limits import (
     pieced_guards,
 )
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
-from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.view import GuardedView
 from contwalk.problems.kink import JumpThroughZero, Met
 from contwalk.problems.kinks import Course, differ, jumping, located
 from contwalk.system import Transition
@@ -50,7 +50,7 @@ def passed(problem: LimitedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ..
 
 
 def _on_leg(
-    problem: LimitedOrbit, one: LegView, other: LegView, a: np.ndarray, b: np.ndarray
+    problem: LimitedOrbit, one: GuardedView, other: GuardedView, a: np.ndarray, b: np.ndarray
 ) -> Iterator[Met]:
     passage = one.piece.passage
     if passage.leg.collapsed or not min(one.duration, other.duration) > 0.0:

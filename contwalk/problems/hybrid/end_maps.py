@@ -12,7 +12,7 @@ from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.event_kinks import EndMap, between, on_a_jump
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
-from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.view import GuardedView
 from contwalk.problems.kink import Kink, Met
 from contwalk.problems.orbit.passage import Passage
 
@@ -72,11 +72,11 @@ def passages_of(problem: LimitedOrbit, z: np.ndarray) -> tuple[Passage, ...]:
         return problem.passages
 
 
-def _ended(views: tuple[LegView, ...]) -> list[LegView]:
+def _ended(views: tuple[GuardedView, ...]) -> list[GuardedView]:
     return [view for view in views if view.piece.passage.end_switching is not None]
 
 
-def place_of(view: LegView, *, start: bool = False) -> np.ndarray:
+def place_of(view: GuardedView, *, start: bool = False) -> np.ndarray:
     """All that a map at a leg's end depends on, or at its start: the state, scalars, and parameters.
 
     Shape (k,).
@@ -84,7 +84,7 @@ def place_of(view: LegView, *, start: bool = False) -> np.ndarray:
     return np.concatenate([view.x if start else view.end, view.piece.values(view.scalars)])
 
 
-def _moving(view: LegView) -> np.ndarray:
+def _moving(view: GuardedView) -> np.ndarray:
     """Which of these numbers differ from motion to motion: states and instants."""
     passage = view.piece.passage
     names = _names(passage)
@@ -96,7 +96,7 @@ def _names(passage: Passage) -> list[tuple[str, int]]:
     return [*[("u", k) for k in range(len(passage.states))], *given]
 
 
-def _event(problem: LimitedOrbit, view: LegView) -> EndMap:
+def _event(problem: LimitedOrbit, view: GuardedView) -> EndMap:
     passage = view.piece.passage
     switching = passage.end_switching
     assert switching is not None

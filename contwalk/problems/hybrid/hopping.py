@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.errors import NotFinite, PluginError
-from contwalk.problems.hybrid import end_maps, metric
+from contwalk.problems.hybrid import end_maps
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
+from contwalk.problems.orbit.metric import beginnings
 
 # Newton's full steps that are followed: further on they tell nothing of the guess.
 STEPS = 4
@@ -17,7 +18,7 @@ def hops(problem: LimitedOrbit, guess: np.ndarray) -> str:
 
     Each of its steps is that of a smooth function: beyond a jump it may lead back, and so on.
     """
-    z, weights, normal = guess, metric.beginnings(problem, guess), np.zeros(len(guess))
+    z, weights, normal = guess, beginnings(problem, guess), np.zeros(len(guess))
     normal[-1] = 1.0
     for _ in range(STEPS):
         try:

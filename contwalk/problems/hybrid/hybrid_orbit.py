@@ -9,7 +9,6 @@ from typing import Any, Self
 
 import numpy as np
 
-from contwalk import quantities
 from contwalk.branch import SpecialPoint
 from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored, Factorization
@@ -25,8 +24,6 @@ from contwalk.problems.hybrid import (
     limits,
     limits_told,
     margin_values,
-    metric,
-    observing,
     remesh,
     switching,
     undefined,
@@ -37,17 +34,16 @@ from contwalk.problems.hybrid.limited import HybridLimits
 from contwalk.problems.hybrid.limited_orbit import MOST_VIEWS, LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
-from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kink import Kink
-from contwalk.problems.orbit import equations, monodromy
+from contwalk.problems.orbit import equations, monodromy, reporting
 from contwalk.problems.orbit.itinerary import stored_leg
 from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.problems.orbit.observing import split
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
-from contwalk.problems.orbit.stretch import Stretch
-from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Test
+from contwalk.problems.problem import Linearization, Located, Sample, Test
 
 # Multipliers whose difference has a smaller square meet, to rounding.
 MEET = 1e-12
@@ -78,7 +74,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     asymmetries = least.asymmetries
     point_types = (*POINT_TYPES, *LIMIT_TYPES)
     branching_offset = 0.05
-    observing, switching = observing, switching
+    switching = switching
 
     # -- what is told of it ------------------------------------------------------------------------------
 
@@ -97,23 +93,9 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
         """All that must stay positive for an orbit to be the machine's."""
         return limits.limits_of(self)
 
-    @property
-    def observable_names(self) -> tuple[str, ...]:
-        """The system's observables, margins of what is watched and of conditions, `split`, extremes of
-        states, states at further visits of an event, and `max_abs`.
-        """
-        states = self.system.state_names
-        later = quantities.visit_names(states, observing.visits(self))
-        return (*self.system.observable_names, *quantities.extreme_names(states), *later, MAX_ABS)
-
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution. z has the shape (N + 1,)."""
         return self.known.at("margins", z, MOST_VIEWS, lambda: margin_values.margins(self, z))
-
-    def stretches(self, z: np.ndarray) -> list[Stretch[LegView]]:
-        """The legs of the whole motion, images included. z has the shape (N + 1,)."""
-        there, own = self.explicit(z)
-        return there.known.at("stretches", own, MOST_VIEWS, lambda: observing.stretches(there, own))
 
     # -- equations ---------------------------------------------------------------------------------------
 
@@ -142,21 +124,6 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     def cost(self) -> int:
         """Right-hand sides of one pass with derivatives, each column counted as one."""
         return equations.cost(self)
-
-    def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
-        """Half the range of each state over the orbit; declared scales where there are any.
-
-        Both have the shape (N + 1,).
-        """
-        return metric.magnitudes_near(self, z)
-
-    def states_along(self, z: np.ndarray) -> np.ndarray:
-        """States at the steps of the orbit, shape (k, n). z has the shape (N + 1,)."""
-        return metric.states_along(self, z)
-
-    def beginnings(self, z: np.ndarray) -> np.ndarray:
-        """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
-        return metric.beginnings(self, z)
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
         """A matrix of these equations and unknowns, and of borders that come last, factored.
@@ -188,7 +155,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
                 "fold": self.whole[1],
                 "image": self.itinerary.image,
                 "turns": self.turns.tolist(),
-                "reported": observing.place(self),
+                "reported": reporting.place(self),
                 "room": cutting.room(self),
             },
         }
@@ -269,7 +236,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
             if changes and corner.has_corner(there, located.z, limit, sample.tangent):
                 name = "corner"
             record = replace(record, kind=name, note=limits_told.place_of(there, limit, located))
-        if kind.test is Test.MARK and abs(observing.split(sample.eigenvalues)) < MEET:
+        if kind.test is Test.MARK and abs(split(sample.eigenvalues)) < MEET:
             met = "two multipliers meet: each is known to the root of rounding only, their mean far better"
             record = replace(record, note=met if record.note is None else f"{record.note}; {met}")
         values = there.margins(located.z)

@@ -27,7 +27,7 @@ from contwalk.problems.hybrid.end_maps import (
     written,
 )
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
-from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.view import GuardedView
 from contwalk.problems.kink import JumpThroughZero, Kink, Met
 from contwalk.problems.kinks import AT_END, Course, differ, directions, inputs, located
 from contwalk.problems.orbit.passage import Passage
@@ -49,7 +49,7 @@ class Told:
     of: Condition | int
     acts: bool = False
 
-    def values(self, view: LegView) -> tuple[float, float]:
+    def values(self, view: GuardedView) -> tuple[float, float]:
         """Where its leg starts and where it ends; of a condition, which has one place, twice the same."""
         if isinstance(self.of, Condition):
             return view.conditions[self.of.name], view.conditions[self.of.name]
@@ -81,13 +81,15 @@ def passed(problem: LimitedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ..
     return tuple(met for met in found if changes or not met.kink.refused)
 
 
-def alike(before: tuple[LegView, ...], later: tuple[LegView, ...]) -> Iterator[tuple[LegView, LegView]]:
+def alike(
+    before: tuple[GuardedView, ...], later: tuple[GuardedView, ...]
+) -> Iterator[tuple[GuardedView, GuardedView]]:
     """The legs of two orbits, if they are of the same kinds."""
     if [view.piece.passage for view in before] == [view.piece.passage for view in later]:
         yield from zip(before, later, strict=True)
 
 
-def _on_leg(problem: LimitedOrbit, one: LegView, other: LegView) -> Iterator[Met]:
+def _on_leg(problem: LimitedOrbit, one: GuardedView, other: GuardedView) -> Iterator[Met]:
     passage = one.piece.passage
     for told in _told_on(passage):
         for share, (a, b) in enumerate(zip(told.values(one), told.values(other), strict=True)):
@@ -158,7 +160,7 @@ def along(problem: LimitedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     return tuple(dict.fromkeys(kink for view in problem.view(z) for kink in _along_leg(problem, view, z)))
 
 
-def _along_leg(problem: LimitedOrbit, view: LegView, z: np.ndarray) -> Iterator[Kink]:
+def _along_leg(problem: LimitedOrbit, view: GuardedView, z: np.ndarray) -> Iterator[Kink]:
     passage = view.piece.passage
     if not view.duration > 0.0:
         return
@@ -185,7 +187,7 @@ def _jump(course: Course, low: float, high: float, told: Told) -> JumpThroughZer
     return JumpThroughZero(0, course.where((low, states[0]), (high, states[1])), told.name, told.acts)
 
 
-def course_of(problem: LimitedOrbit, view: LegView, told: Told, z: np.ndarray) -> Course:
+def course_of(problem: LimitedOrbit, view: GuardedView, told: Told, z: np.ndarray) -> Course:
     """A leg, as one of its guards is looked at. z has the shape (N + 1,)."""
     passage, values = view.piece.passage, view.piece.values(view.scalars)
     known = {**problem.values_of(z), **passage.system.mode(passage.leg.mode).constants}

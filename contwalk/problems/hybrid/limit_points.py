@@ -15,7 +15,7 @@ from contwalk.problems.hybrid import limit_rows
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import BELOW, LITTLE, at_entry, largest
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.view import GuardedView
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.augmented import Near
 from contwalk.problems.orbit.branching import filled_magnitudes
@@ -188,7 +188,7 @@ def _typical(problem: LimitedOrbit, i: int, transition: Transition, sample: Near
     return float(np.abs(at_entry(piece, transition, x, scalars)[1][: len(x)]) @ own)
 
 
-def typical(view: LegView, transition: Transition, magnitudes: np.ndarray) -> float:
+def typical(view: GuardedView, transition: Transition, magnitudes: np.ndarray) -> float:
     """What changes of the states by their magnitudes make of a guard where a leg begins.
 
     Magnitudes have the shape (n,).

@@ -8,17 +8,15 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Collection
-from dataclasses import replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from contwalk.problems.hybrid.margins import Limit, Margins
-from contwalk.problems.hybrid.shooting import LegMesh
-from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.orbit.layout import Layout, Segment, joined
-from contwalk.problems.orbit.piece import Piece
+from contwalk.problems.hybrid.view import GuardedView
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, seen_of
+from contwalk.problems.orbit.layout import Layout
+from contwalk.problems.orbit.shooting import Mesh
 
 # Solutions that are looked at again soon: at a step's ends.
 MOST_VIEWS = 4
@@ -30,7 +28,8 @@ class LimitedOrbit(DiscretizedOrbit):
     """Orbits of legs, each in its own time, that limits bound; see `HybridOrbit` for the parameters."""
 
     layout: Layout
-    _mesh: LegMesh | None
+    _mesh: Mesh | None
+    most_views = MOST_VIEWS
 
     # The most steps of a leg, where they are known; how many segments of legs a stored branch has room for.
     _most_steps: int | None = None
@@ -43,22 +42,24 @@ class LimitedOrbit(DiscretizedOrbit):
         """
         return self, z
 
-    @property
-    def pieces(self) -> tuple[Piece, ...]:
-        """The legs on their steps."""
-        return self.known.once("pieces", lambda: _pieces(self))
+    if TYPE_CHECKING:
 
-    def view(self, z: np.ndarray) -> tuple[LegView, ...]:
-        """A solution looked at piece by smooth piece. z has the shape (N + 1,)."""
-        there, own = self.explicit(z)
-        return there.known.at("view", own, MOST_VIEWS, lambda: _views(there, own))
+        def view(self, z: np.ndarray) -> tuple[GuardedView, ...]:
+            """A solution looked at piece by smooth piece. z has the shape (N + 1,)."""
+
+    def legs_viewed(self, z: np.ndarray) -> tuple[GuardedView, ...]:
+        """The legs, each looked at with what is watched on it. z has the shape (N + 1,)."""
+        return tuple(
+            GuardedView(*given, left=_left(self, i), segments=segments)
+            for i, (given, segments) in enumerate(seen_of(self, z))
+        )
 
     @property
     def guard_scales(self) -> np.ndarray:
         """Units of the legs' guards, shape (m,)."""
         return np.ones(self.layout.legs) if self.mesh.guards is None else self.mesh.guards
 
-    def pieces_of(self, z: np.ndarray, i: int) -> list[LegView]:
+    def pieces_of(self, z: np.ndarray, i: int) -> list[GuardedView]:
         """Leg i looked at, piece by piece where there are soft transitions on it.
 
         z has the shape (N + 1,).
@@ -79,48 +80,6 @@ class LimitedOrbit(DiscretizedOrbit):
     @abstractmethod
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution. z has the shape (N + 1,)."""
-
-
-def _pieces(orbit: LimitedOrbit) -> tuple[Piece, ...]:
-    if orbit.cuts == 1:
-        return orbit.segments
-    own = [orbit.layout.segments_of(i) for i in range(orbit.layout.legs)]
-    ends = np.cumsum([0, *map(len, own)])
-    return tuple(
-        replace(orbit.segments[b - 1], steps=joined(places, orbit.mesh.steps[a:b]))
-        for places, a, b in zip(own, ends[:-1].tolist(), ends[1:].tolist(), strict=True)
-    )
-
-
-def _views(orbit: LimitedOrbit, z: np.ndarray) -> tuple[LegView, ...]:
-    times, nodes = orbit.starting_times(z), orbit.known.found("nodes", z)
-    known: list[list[np.ndarray]] = [[] for _ in orbit.pieces]
-    for segment, own in zip(orbit.layout.segments, nodes or (), strict=nodes is not None):
-        known[segment.leg].append(own)
-    return tuple(
-        LegView(
-            piece,
-            *orbit.layout.inputs(i, z),
-            float(times[i]),
-            _left(orbit, i),
-            _segments_of(orbit, z, i),
-            known[i],
-        )
-        for i, piece in enumerate(orbit.pieces)
-    )
-
-
-def _segments_of(
-    orbit: LimitedOrbit, z: np.ndarray, i: int
-) -> list[tuple[Segment, Piece, np.ndarray, np.ndarray]]:
-    """The segments of leg i, if there are several."""
-    if orbit.layout.cuts[i] == 1:
-        return []
-    return [
-        (segment, piece, *orbit.layout.inputs_of(segment, z))
-        for segment, piece in zip(orbit.layout.segments, orbit.segments, strict=True)
-        if segment.leg == i
-    ]
 
 
 def _left(orbit: LimitedOrbit, i: int) -> Collection[str]:

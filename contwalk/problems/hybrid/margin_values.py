@@ -9,7 +9,7 @@ from contwalk.memory import computed_once
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
-from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.view import GuardedView
 from contwalk.problems.orbit.piece import Piece
 from contwalk.system import Transition
 
@@ -25,7 +25,7 @@ NO_RATE = 1e-7
 class _Watch:
     """A guard on a leg of a solution, with the sign with which it is positive."""
 
-    view: LegView
+    view: GuardedView
     guard: Guarded
     sign: float
     total: float  # duration of the closure
@@ -146,7 +146,7 @@ def margins(problem: LimitedOrbit, z: np.ndarray) -> Margins:
     return Margins(problem.limits, values, scales, places)
 
 
-def _entered(problem: LimitedOrbit, limit: Limit, view: LegView) -> tuple[float, float, float]:
+def _entered(problem: LimitedOrbit, limit: Limit, view: GuardedView) -> tuple[float, float, float]:
     """Value, scale and place of how a guard stands where a mode is entered that lasts no time.
 
     There is no largest value to compare it with: what typical changes of the states make of it is.
@@ -242,7 +242,7 @@ def _largest(value: float, rate: float, duration: float, total: float) -> float:
     return max(value, rate * little / abs(duration))
 
 
-def _sign_of(guard: Guarded, view: LegView) -> float:
+def _sign_of(guard: Guarded, view: GuardedView) -> float:
     """The sign with which a guard is positive on a leg before its event."""
     told = guard.falls is not None or guard.transition.direction != "both"
     values = np.zeros(0) if told else view.guard(guard.transition)[1]

@@ -10,10 +10,11 @@ from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid import cutting, margin_values
 from contwalk.problems.hybrid.limited_orbit import Kind
-from contwalk.problems.hybrid.shooting import meshed, most_steps
 from contwalk.problems.orbit.discretization import STAGES
+from contwalk.problems.orbit.meshing import meshed, most_steps
 from contwalk.problems.orbit.orbit_section import section_through
 from contwalk.problems.orbit.section import Section
+from contwalk.problems.orbit.shooting import Run
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.sample import Sample
 
@@ -41,19 +42,21 @@ def adapted_to(
         fitting: Kind = orbit.fitting(z).adapted_to(z, weights, tolerance)
         return fitting
     inputs = [orbit.layout.inputs_of(segment, z) for segment in orbit.layout.segments]
+    runs = [
+        Run(orbit.passages[segment.leg], x, scalars, 2 * len(x))
+        for segment, (x, scalars) in zip(orbit.layout.segments, inputs, strict=True)
+    ]
     magnitudes = orbit.magnitudes_of(weights)
     asked = tolerance or orbit.discretization.walking
     most = orbit._most_steps or most_steps(orbit._mesh, asked)
     try:
         mesh = meshed(
-            [orbit.passages[segment.leg] for segment in orbit.layout.segments],
-            [x for x, _ in inputs],
-            [scalars for _, scalars in inputs],
+            runs,
             orbit.line.constants,
             flow.ErrorControl(asked, magnitudes, most),
             orbit.discretization.integrator(asked),
-            orbit.itinerary.has_halves(orbit.system),
             orbit.parts,
+            alike=orbit.itinerary.has_halves(orbit.system),
         )
     except NotFinite:
         orbit.effort.spend(STAGES["radau9"] * most)

@@ -27,8 +27,8 @@ from contwalk.problems.hybrid.forward_solution import solved_forward
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
-from contwalk.problems.hybrid.shooting import most_steps
-from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.view import GuardedView
+from contwalk.problems.orbit.meshing import most_steps
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.problem import Linearization
@@ -236,7 +236,7 @@ class SoftEquations(HybridOrbit):
         there = self._at(z)
         return there.levels(there.explicit.errors_at(there.unknowns))
 
-    def pieces_of(self, z: np.ndarray, i: int) -> list[LegView]:
+    def pieces_of(self, z: np.ndarray, i: int) -> list[GuardedView]:
         """Leg i looked at, piece by piece. z has the shape (N + 1,)."""
         views = self.view(z)
         return [views[k] for k in self._at(z).grouping.groups[i]]

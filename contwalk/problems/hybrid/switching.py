@@ -10,7 +10,6 @@ import numpy as np
 from contwalk import flow
 from contwalk.problems.hybrid import cutting
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
-from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.orbit import monodromy, variations
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
@@ -18,6 +17,7 @@ from contwalk.problems.orbit.itinerary import imaged_leg
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.scales import cycle_scales
+from contwalk.problems.orbit.shooting import AT_REST
 from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues

@@ -8,7 +8,7 @@ from contwalk.errors import NotFinite, PluginError
 from contwalk.flow.hybrid.functions_without_value import functions_of
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Margins
-from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.view import GuardedView
 from contwalk.problems.kink import Undefined
 from contwalk.problems.orbit import without_value
 from contwalk.problems.orbit.undefined import refusal
@@ -78,7 +78,7 @@ def conditions(problem: LimitedOrbit, z: np.ndarray) -> tuple[Undefined, ...]:
     )
 
 
-def _of_guard(view: LegView, transition: Transition) -> str:
+def _of_guard(view: GuardedView, transition: Transition) -> str:
     """Where a guard, or its rate along the motion, has no value on a leg."""
     times, found, rates = view.guard(transition)
     without = np.flatnonzero(~np.isfinite(found))
@@ -95,7 +95,7 @@ def _of_guard(view: LegView, transition: Transition) -> str:
     return f"{line_of(transition.guard)}the {name} has no finite derivative by the time along an orbit."
 
 
-def _on_leg(view: LegView) -> str:
+def _on_leg(view: GuardedView) -> str:
     """What has no value at the steps of a leg, within one of them, or where it ends."""
     piece, leg = view.piece, view.piece.passage.leg
     values, functions = piece.values(view.scalars), functions_of(piece.passage.system, leg.mode)

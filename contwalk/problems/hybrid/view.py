@@ -1,27 +1,24 @@
-"""A solution looked at leg by leg: samples of its motion, the instants at which states and guards turn.
+"""A leg of an orbit through events looked at: guards and conditions beside its motion, on the same samples.
 
-Everything that is told of an orbit (margins, observables, the reported state) comes from the same samples.
-Between two of them a turn shows in the signs of exact rates; where it lies the cubic through both ends
-tells, and the state there is that of the integrator's own interpolation.
+Where a guard turns shows in the signs of its exact rates, as it does for states.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from contwalk import flow
 from contwalk.errors import UnsupportedOperation
 from contwalk.memory import computed_once
-from contwalk.numerics.distinct import distinct
 from contwalk.numerics.linear import EPSILON
-from contwalk.problems.kinks import Course
-from contwalk.problems.orbit.extrema import PARTS, Smooth, sampled, turns
+from contwalk.problems.orbit.extrema import PARTS, turns
 from contwalk.problems.orbit.layout import Segment
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
+from contwalk.problems.orbit.view import LegView
 from contwalk.system import Transition
 
 # A guard that leaves zero slowly may turn twice before the first sample: it is looked at earlier too, at
@@ -36,103 +33,39 @@ INSIDE = 8.0
 _ENDS = [0, 1, -2, -1]
 
 
-class LegView:
-    """One leg of a solution.
+class GuardedView(LegView):
+    """One leg of a solution, with what is watched on it.
 
     Parameters
     ----------
-    piece : Piece
-    x : ndarray, shape (n_i,)
-    scalars : ndarray
-    start : float
-        Time at which it starts.
+    given
+        As for `LegView`.
     left : collection of str
         Transitions whose guards are zero where it starts: those of the hard one that leads into it.
     segments : sequence of tuple (Segment, Piece, ndarray, ndarray)
-        Of a leg that is cut, its segments with their own pieces, states and scalars.
-    known : sequence of ndarray
-        States at the steps of each of its segments, if the equations have been asked for.
+        Its segments with their own pieces, states and scalars.
     """
 
     def __init__(
         self,
-        piece: Piece,
-        x: np.ndarray,
-        scalars: np.ndarray,
-        start: float,
+        *given: Any,
         left: Collection[str] = (),
         segments: Sequence[tuple[Segment, Piece, np.ndarray, np.ndarray]] = (),
-        known: Sequence[np.ndarray] = (),
     ) -> None:
-        self.segments, self._known = segments, known
-        self.piece, self.x, self.scalars, self.start = piece, x, scalars, start
-        self.duration = float(scalars[0])
-        self.left = [k for k, t in enumerate(piece.passage.leaving) if t.name in left]
-
-    @computed_once
-    def nodes(self) -> np.ndarray:
-        """States at the steps, shape (s + 1, n_i); where two segments meet, that of the later one."""
-        if not self.segments:
-            return self._known[0] if self._known else self.piece.nodes(self.x, self.scalars)
-        parts = self._known or [piece.nodes(x, scalars) for _, piece, x, scalars in self.segments]
-        return np.concatenate([*(part[:-1] for part in parts), parts[-1][-1:]])
-
-    @computed_once
-    def values(self) -> np.ndarray:
-        """What the leg's functions depend on, shape (q,)."""
-        return self.piece.values(self.scalars)
-
-    @computed_once
-    def constants(self) -> np.ndarray:
-        """What its field takes from them. Shape (c,)."""
-        return self.piece.passage.field(PLAIN).constants(self.values)
-
-    @computed_once
-    def times(self) -> np.ndarray:
-        """Sampled instants in 0..1, the steps' own among them. Shape (k,)."""
-        return sampled(self.piece.steps)
-
-    @computed_once
-    def states(self) -> np.ndarray:
-        """States of the mode at `times`, shape (k, n_i)."""
-        return self.at(self.times)
-
-    @computed_once
-    def rates(self) -> np.ndarray:
-        """Rates of the states over the leg's own time, shape (k, n_i)."""
-        field = self.piece.passage.field(PLAIN)
-        return field.along(self.times, self.states, self.constants)
-
-    @computed_once
-    def at(self) -> Callable[[np.ndarray], np.ndarray]:
-        """States of the mode at any instants in 0..1, a function of these.
-
-        Times have the shape (k,), states (k, n_i).
-        """
-        field = self.piece.passage.field(PLAIN)
-        return flow.interpolation(field, self.constants, self.piece.steps, self.nodes, self.piece.method)
-
-    @property
-    def end(self) -> np.ndarray:
-        """State of the mode at the end, before the transition. Shape (n_i,)."""
-        return self.nodes[-1]
+        super().__init__(*given)
+        self.segments = segments
+        self.left = [k for k, t in enumerate(self.piece.passage.leaving) if t.name in left]
 
     def stepped(self, share: float) -> np.ndarray:
         """State of the mode at an instant in 0..1 to which the last step is cut: no interpolation.
 
         Shape (n_i,).
         """
-        if self.segments:
+        if len(self.segments) > 1:
             segment, piece, x, scalars = next(own for own in reversed(self.segments) if own[0].begin <= share)
             share = (share - segment.begin) / (segment.end - segment.begin)
-            return LegView(piece, x, scalars, 0.0).stepped(share) if share > 0.0 else x
-        inside = self.piece.steps[self.piece.steps < share - 1e-12] / share
-        piece = replace(self.piece, steps=np.append(inside, 1.0))
-        return piece.before(PLAIN, self.x, np.concatenate([[self.duration * share], self.scalars[1:]]))
-
-    def full(self, x: np.ndarray) -> np.ndarray:
-        """States of the mode as states of the system. Shape (n_i,) or (k, n_i), and (n,) or (k, n)."""
-        return self.piece.passage.full(x)
+            return _stepped(piece, x, scalars, share) if share > 0.0 else x
+        return _stepped(self.piece, self.x, self.scalars, share)
 
     def guard(self, transition: Transition) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Instants in 0..1, a transition's guard there, and its rate over the leg's own time.
@@ -263,56 +196,12 @@ class LegView:
         at_rest = np.zeros_like(nodes)  # its rate is not asked for, nor are theirs
         return watched.along(self.piece.steps, nodes, self.values, at_rest)[:, 0]
 
-    @computed_once
-    def motion(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times in seconds and full states, with the instants at which a state is extreme.
 
-        Shapes (k,) and (k, n).
-        """
-        turns = _extrema(self.times, self.states, self.rates)
-        times, states = self.times, self.states
-        if len(turns):
-            times = np.concatenate([times, turns])
-            states = np.concatenate([states, self.at(turns)])
-            order = np.argsort(times, kind="stable")
-            times, states = times[order], states[order]
-        return self.start + self.duration * times, self.full(states)
-
-    @computed_once
-    def smooth(self) -> Smooth:
-        """The leg in 0..1 with full states."""
-        field = self.piece.passage.field(PLAIN)
-
-        def at(times: np.ndarray) -> np.ndarray:
-            return self.full(self.at(times))
-
-        def rate_at(times: np.ndarray, states: np.ndarray) -> np.ndarray:
-            own = np.ascontiguousarray(states[:, list(self.piece.passage.states)])
-            return self.full(field.along(times, own, self.constants))
-
-        return Smooth(self.times, self.full(self.states), self.full(self.rates), at, rate_at)
-
-    def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """Instants in 0..1, `number` of them evenly spread and the steps' own, and states there.
-
-        Shapes (k,) and (k, n_i).
-        """
-        times = np.union1d(self.piece.steps, np.linspace(0.0, 1.0, number))
-        return times, self.piece.at(self.nodes, times, self.scalars)
-
-    def course(self) -> list[Course]:
-        """The leg as it is looked at for kinks of its field, where it may have any and lasts."""
-        passage, values = self.piece.passage, self.values
-        if passage.switching is None or not self.duration > 0.0:
-            return []
-        course = passage.course(values, self.times, self.states, self.at)
-        return [] if course is None else [course]
-
-
-def _extrema(t: np.ndarray, x: np.ndarray, r: np.ndarray) -> np.ndarray:
-    """Instants at which a state turns, in growing order, from times (k,), states and rates (k, n)."""
-    k, j = np.nonzero(r[:-1] * r[1:] < 0.0)
-    return distinct(turns(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
+def _stepped(piece: Piece, x: np.ndarray, scalars: np.ndarray, share: float) -> np.ndarray:
+    """State of a segment at an instant in 0..1 of it."""
+    inside = piece.steps[piece.steps < share - 1e-12] / share
+    shorter = replace(piece, steps=np.append(inside, 1.0))
+    return shorter.before(PLAIN, x, np.concatenate([[scalars[0] * share], scalars[1:]]))
 
 
 def _pairs(row: list[float]) -> list[tuple[float, float]]:

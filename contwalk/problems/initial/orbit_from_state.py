@@ -183,7 +183,7 @@ def cut(problem: PeriodicOrbit, z: np.ndarray, magnitudes: np.ndarray) -> tuple[
     cuts, n = first_cuts(problem, z), problem.states
     m = len(cuts)
     # On the problem's own steps: where deviations grow that much, other steps lead elsewhere.
-    there = problem.layout.joined(problem.curve(z).at(cuts), z[n:], cuts)
+    there = problem.layout.joined(problem.view(z)[0].at(cuts), z[n:], cuts)
     weights = problem.layout.joined(np.tile(magnitudes * np.sqrt(m), m), np.abs(z[n:]), 1.0)
     return problem.adapted_to(there, weights), there
 

@@ -38,7 +38,7 @@ def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
         if part not in known:
             step = np.flatnonzero(problem.mesh.times == part)
             known[part] = (
-                problem.solution(z).nodes[step[-1]]  # as of steps that are alike in halves
+                problem.view(z)[0].nodes[step[-1]]  # as of steps that are alike in halves
                 if len(step)
                 else carried_to(problem, z, still, part)[0]
             )

@@ -266,9 +266,7 @@ def _lasting(level: float, sample: Sample) -> Augmented:
     """A closure that lasts so long; unlike other observables its derivatives are known."""
 
     def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        linearization = there.linearize(z)
-        residual = np.append(linearization.residual, there.duration(z) - level)
-        return residual, np.vstack([linearization.jacobian, there.duration_gradient(z)])
+        return there.linearize(z).with_row(there.duration(z) - level, there.duration_gradient(z))
 
     return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {}, in_units=True)
 
@@ -280,9 +278,7 @@ def along(sample: Sample, value: Callable[[OrbitData, np.ndarray], float], slope
     gradient = slope * sample.tangent / sample.weights**2
 
     def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        linearization = there.linearize(z)
-        residual = np.append(linearization.residual, value(there, z))
-        return residual, np.vstack([linearization.jacobian, gradient])
+        return there.linearize(z).with_row(value(there, z), gradient)
 
     return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {}, in_units=True)
 

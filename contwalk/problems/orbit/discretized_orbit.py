@@ -12,8 +12,9 @@ and `PeriodicOrbit` and `HybridOrbit` offer them to the engine.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import cached_property
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
 from typing import Any, ClassVar, Self, TypeVar, Unpack
 
 import numpy as np
@@ -22,14 +23,14 @@ from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.itinerary import Itinerary
-from contwalk.problems.orbit.layout import ClosureLayout, Layout
+from contwalk.problems.orbit.layout import ClosureLayout, Layout, Segment, joined
 from contwalk.problems.orbit.orbit_data import Further, OrbitData
 from contwalk.problems.orbit.passage import Passage, passage_of
-from contwalk.problems.orbit.piece import passed
+from contwalk.problems.orbit.piece import Piece, passed
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.shooting import Mesh
-from contwalk.problems.orbit.solution import Curve, Solution
 from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
+from contwalk.problems.orbit.view import SAMPLES, LegView
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import System, Transition
 
@@ -44,8 +45,7 @@ Kind = TypeVar("Kind", bound="DiscretizedOrbit")
 class DiscretizedOrbit(OrbitData):
     """Orbits of one itinerary on given steps; see `PeriodicOrbit` and `HybridOrbit` for the parameters."""
 
-    # Whether the one leg is in times of the closure: its period is no unknown where a force has it.
-    in_closure: ClassVar[bool] = False
+    most_views: ClassVar[int] = MOST_KEPT
     layout: Any  # a `ClosureLayout`, or of legs a `Layout`
 
     def __init__(
@@ -263,21 +263,19 @@ class DiscretizedOrbit(OrbitData):
         nodes, ended, moved = passed(self.segments[-1], times, ends, self.starts(z), self.scalars(z))
         return list(zip(np.split(nodes, ends[:-1] + 1), ended, moved, strict=True))
 
-    def solution(self, z: np.ndarray) -> Solution:
-        """The motion of z over a closure that is one leg, of which every part is integrated once.
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The legs on their steps."""
+        return self.known.once("pieces", lambda: _pieces(self))
 
-        z has the shape (N + 1,).
-        """
+    def view(self, z: np.ndarray) -> tuple[LegView, ...]:
+        """A solution looked at piece by smooth piece. z has the shape (N + 1,)."""
+        there, own = self.explicit(z)
+        return there.known.at("view", own, self.most_views, lambda: there.legs_viewed(own))
 
-        def made() -> Solution:
-            own = z.copy()
-            return Solution(self.passages[0], self.mesh, self.given(own), self.starts(own))
-
-        return self.known.at("solution", z, MOST_KEPT, made)
-
-    def curve(self, z: np.ndarray) -> Curve:
-        """The integrated part of that motion, in 0..1. z has the shape (N + 1,)."""
-        return self.solution(z).curve
+    def legs_viewed(self, z: np.ndarray) -> tuple[LegView, ...]:
+        """The legs, each looked at. z has the shape (N + 1,)."""
+        return tuple(LegView(*given) for given, _ in seen_of(self, z))
 
     @property
     def events(self) -> list[tuple[int, Transition]]:
@@ -290,6 +288,51 @@ class DiscretizedOrbit(OrbitData):
         if all(passage.switching is None for passage in self.passages):
             return []
         return [course for leg in self.view(z) for course in leg.course()]
+
+
+def _pieces(orbit: DiscretizedOrbit) -> tuple[Piece, ...]:
+    if orbit.cuts == 1:
+        return orbit.segments
+    if orbit.in_closure:
+        return (replace(orbit.segments[-1], steps=orbit.mesh.times),)
+    own = [orbit.layout.segments_of(i) for i in range(orbit.layout.legs)]
+    ends = np.cumsum([0, *map(len, own)])
+    return tuple(
+        replace(orbit.segments[b - 1], steps=joined(places, orbit.mesh.steps[a:b]))
+        for places, a, b in zip(own, ends[:-1].tolist(), ends[1:].tolist(), strict=True)
+    )
+
+
+# A segment of a leg with its piece, its state and its scalars.
+Viewed = tuple[Segment, Piece, np.ndarray, np.ndarray]
+
+
+def seen_of(orbit: DiscretizedOrbit, z: np.ndarray) -> Iterator[tuple[tuple[Any, ...], list[Viewed]]]:
+    """Of each leg what its `LegView` is made of, and its segments. z has the shape (N + 1,)."""
+    nodes, z = orbit.known.found("nodes", z), z.copy()  # what is looked at later is of this very solution
+    times = orbit.starting_times(z)
+    known: list[list[np.ndarray]] = [[] for _ in orbit.pieces]
+    segments: list[list[Viewed]] = [[] for _ in orbit.pieces]
+    for segment, own in zip(orbit.layout.segments, nodes or (), strict=nodes is not None):
+        known[segment.leg].append(own)
+    for segment, piece in zip(orbit.layout.segments, orbit.segments, strict=True):
+        segments[segment.leg].append((segment, piece, *orbit.layout.inputs_of(segment, z)))
+    for i, piece in enumerate(orbit.pieces):
+        x, scalars = orbit.layout.inputs(i, z)
+        lasting = orbit.duration(z) if orbit.in_closure else float(scalars[0])
+        passed_on = partial(_nodes, piece, known[i], segments[i])
+        evenly = SAMPLES if orbit.in_closure else 0
+        yield (piece, x, scalars, float(times[i]), lasting, passed_on, evenly), segments[i]
+
+
+def _nodes(whole: Piece, known: list[np.ndarray], segments: list[Viewed]) -> np.ndarray:
+    """States at the steps of a leg, of those of its segments; these are integrated if they are not known."""
+    parts = known or [piece.nodes(x, scalars) for _, piece, x, scalars in segments]
+    if len(parts) == 1:
+        return parts[0]
+    if sum(map(len, parts)) == len(whole.steps):
+        return np.concatenate(parts)
+    return np.concatenate([*(part[:-1] for part in parts), parts[-1][-1:]])
 
 
 def added_by_cuts(orbit: DiscretizedOrbit) -> int:

@@ -15,13 +15,29 @@ from contwalk.problems.sample import Sample
 # The part of its way that a state weighs as: with the whole of it, steps through the explosion of a cycle
 # that is carried from one Hopf point to another are too long.
 OF_THE_WAY = 0.25
+# Orbits whose extents are kept.
+MOST_KEPT = 4
 # A state that moves less than this part of its size over an orbit tells nothing of how orbits weigh.
 STANDS = 1e-13
 
 
-def extent_of(states: np.ndarray) -> np.ndarray:
-    """Least and largest value of each state, shape (2, n), of states along an orbit, shape (k, n)."""
-    return np.stack([states.min(axis=0), states.max(axis=0)])
+def states_along(orbit: OrbitData, z: np.ndarray) -> np.ndarray:
+    """States at the steps of all legs, shape (k, n). z has the shape (N + 1,)."""
+    found = [view.full(view.nodes) for view in orbit.view(z)]
+    return found[0] if len(found) == 1 else np.concatenate(found)
+
+
+def extent_along(orbit: OrbitData, z: np.ndarray) -> np.ndarray:
+    """Least and largest value of each state at the steps of all legs, shape (2, n).
+
+    z has the shape (N + 1,). It is kept, as the metric and each row ask for it: do not change it.
+    """
+
+    def made() -> np.ndarray:
+        states = states_along(orbit, z)
+        return np.stack([states.min(axis=0), states.max(axis=0)])
+
+    return orbit.known.at("extent", z, MOST_KEPT, made)
 
 
 def sizes_since(orbit: OrbitData, sample: Sample, begun: Sample) -> np.ndarray:

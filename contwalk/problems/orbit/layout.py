@@ -95,6 +95,10 @@ class Positions(ABC):
         return self.segments[first : first + self.cuts[i]]
 
     @abstractmethod
+    def inputs(self, i: int, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As `inputs_of`, of a whole leg."""
+
+    @abstractmethod
     def inputs_of(self, segment: Segment, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """State and scalars of a segment, of z or of a direction like it.
 
@@ -153,6 +157,10 @@ class ClosureLayout(Positions):
                 pairwise([*begins.tolist(), 1.0]), places, following, strict=True
             )
         ]
+
+    def inputs(self, i: int, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As `inputs_of`, of the whole leg. Shapes (n,) and (k,) of z, shape (N + 1,)."""
+        return self.inputs_of(self.segments[0], z)
 
     def inputs_of(self, segment: Segment, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """State and scalars of a segment, of z or of a direction like it.

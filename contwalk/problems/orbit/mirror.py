@@ -20,8 +20,8 @@ from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.mirror_of_orbits import Given, MirrorOfOrbits
+from contwalk.problems.orbit.observing import measured_along
 from contwalk.problems.orbit.orbit_section import section_through
-from contwalk.problems.orbit.sampling import measured_along
 from contwalk.problems.orbit.shooting import arrived, velocity
 from contwalk.problems.orbit.stored_discretizations import vectors_of
 from contwalk.problems.passed_over import passed_over
@@ -200,7 +200,7 @@ class Passed:
     @property
     def nodes(self) -> tuple[np.ndarray, np.ndarray]:
         """Times and states of all steps, shapes (s,) and (s, n)."""
-        return self._problem.mesh.times, self._problem.solution(self._z).nodes
+        return self._problem.mesh.times, self._problem.view(self._z)[0].nodes
 
     def at(self, instant: float) -> tuple[np.ndarray, np.ndarray]:
         """State and deviation at an instant in parts of the period, each of shape (n,)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, Self, TypedDict
+from typing import Any, ClassVar, Self, TypedDict
 
 import numpy as np
 
@@ -19,7 +19,8 @@ from contwalk.problems.orbit.passage import Passage
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.section import Reference
-from contwalk.problems.orbit.stretch import Stretch, View
+from contwalk.problems.orbit.stretch import Stretch
+from contwalk.problems.orbit.view import LegView
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.system import Neutral, System
 
@@ -39,6 +40,8 @@ class Further(TypedDict, total=False):
 class OrbitData(Orbit):
     """A system, the line of its parameters, what is pinned, and how finely orbits are computed."""
 
+    # Whether the one leg is in times of the closure: its period is no unknown where a force has it.
+    in_closure: ClassVar[bool] = False
     layout: Positions
     itinerary: Itinerary
     turns: np.ndarray
@@ -75,7 +78,7 @@ class OrbitData(Orbit):
 
     @property
     def mesh(self) -> Any:
-        """The steps of this discretisation: a `Mesh`, of legs a `LegMesh`."""
+        """The steps of this discretisation: a `Mesh`."""
         if self._mesh is None:
             raise ValueError("the problem has no mesh yet: see `adapted_to`")
         return self._mesh
@@ -93,7 +96,11 @@ class OrbitData(Orbit):
         return self, z
 
     @abstractmethod
-    def view(self, z: np.ndarray) -> Sequence[View]:
+    def legs_viewed(self, z: np.ndarray) -> tuple[LegView, ...]:
+        """The legs, each looked at. z has the shape (N + 1,)."""
+
+    @abstractmethod
+    def view(self, z: np.ndarray) -> Sequence[LegView]:
         """A solution of shape (N + 1,) looked at piece by smooth piece."""
 
     @abstractmethod

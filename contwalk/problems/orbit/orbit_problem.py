@@ -20,14 +20,17 @@ from contwalk.problems.orbit import (
     describing,
     equations,
     equivalence,
+    metric,
     monodromy,
     motion,
+    observing,
     rates,
+    reporting,
     scales,
 )
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.orbit.extents import extent_of, sizes_since
+from contwalk.problems.orbit.extents import extent_along, sizes_since
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -35,23 +38,11 @@ from contwalk.problems.orbit.orbit_section import into_section
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.orbit.slow_place import SlowPlace
+from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 
 # Linearizations that are kept, as far as they fit: a step asks for the same ones several times.
 LEAST_KEPT, MOST_KEPT, MOST_BYTES = 3, 12, 5e7
-
-
-class Observing(Protocol):
-    """What is told of one kind of orbits, as functions over them."""
-
-    def reported(self, problem: Any, z: np.ndarray, /) -> np.ndarray:
-        """The state that stands for a solution, shape (n,)."""
-
-    def values(self, problem: Any, z: np.ndarray, found: Multipliers, /) -> list[float]:
-        """Values of all observables. z has the shape (N + 1,)."""
-
-    def value(self, problem: Any, name: str, z: np.ndarray, /) -> float:
-        """The value of one. z has the shape (N + 1,)."""
 
 
 class Switching(Protocol):
@@ -77,9 +68,10 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
     """The part of a problem of orbits that does not depend on how they are discretised."""
 
     first_passed, same = equivalence.first_passed, equivalence.same
+    magnitudes_near, beginnings = metric.magnitudes_near, metric.beginnings
+    reported = reporting.reported
     location_tolerance = 1e-3  # solutions are solved for to a part of the tolerance only
-    # Modules of what differs between kinds of orbits.
-    observing: Observing
+    # The module of what differs between kinds of orbits.
     switching: Switching
 
     @property
@@ -173,7 +165,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
             error=error,
             critical=1.0,
             sizes=np.nan_to_num(linearization.magnitudes),
-            extent=extent_of(self.states_along(z)),
+            extent=extent_along(self, z),
             period=self.duration(z),
             trivial_error=trivial,
             kinks=met,
@@ -185,10 +177,6 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
         self, z: np.ndarray, found: Multipliers, error: float, known: Sample | None
     ) -> dict[str, Any]:
         """What a sample tells of one kind of orbits only."""
-
-    @abstractmethod
-    def states_along(self, z: np.ndarray) -> np.ndarray:
-        """States at the steps of the orbit, shape (k, n). z has the shape (N + 1,)."""
 
     def sizes_since(self, sample: Sample, begun: Sample) -> np.ndarray:
         """What weights of the metric grow with, shape (N + 1,), on a branch that began elsewhere."""
@@ -202,13 +190,19 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
 
     # -- what is told of it ------------------------------------------------------------------------------
 
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        """Names of what is told of each solution."""
+        return observing.names(self)
+
+    def stretches(self, z: np.ndarray) -> list[Stretch[Any]]:
+        """The legs of the whole motion, images included. z has the shape (N + 1,)."""
+        there, own = self.explicit(z)
+        return there.known.at("stretches", own, self.most_views, lambda: motion.stretches(there, own))
+
     def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The motion: times in seconds, shape (k,), and states, shape (k, n); both sides of each event."""
         return motion.motion(self, z)
-
-    def reported(self, z: np.ndarray) -> np.ndarray:
-        """The state that stands for a solution, shape (n,); see `engine: {report_at: ...}`."""
-        return self.observing.reported(self, z)
 
     def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
         """Where the orbit is slower than beside, and the field there; the slowest place first.
@@ -219,11 +213,11 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
-        return np.array(self.observing.values(self, z, found))
+        return np.array(observing.values(self, z, found))
 
     def observable(self, name: str, z: np.ndarray) -> float:
         """The value of one observable. z has the shape (N + 1,)."""
-        return self.observing.value(self, name, z)
+        return observing.value(self, name, z)
 
     # -- discretisations ---------------------------------------------------------------------------------
 

@@ -50,6 +50,15 @@ def into_section(orbit: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) ->
     return tangent + shift * later
 
 
+def velocities(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+    """dx/dt where the segments of a closure start, in units of its duration, shape (m, n); NaN in a row of
+    which one entry does not exist. z has the shape (N + 1,).
+    """
+    found = orbit.view(z)[0].rates_at(orbit.mesh.cuts, orbit.starts(z))
+    found[~np.isfinite(found).all(axis=1)] = np.nan
+    return found
+
+
 def _begun_later(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """How the unknowns of an orbit change with the instant at which it begins. Both have the shape (N + 1,).
 
@@ -57,8 +66,8 @@ def _begun_later(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """
     change, layout = np.zeros(len(z)), orbit.layout
     if orbit.in_closure:  # known of the motion already; in units of its duration
-        velocities = orbit.solution(z).velocities.ravel()
-        change[: len(velocities)] = velocities
+        found = velocities(orbit, z).ravel()
+        change[: len(found)] = found
         return change
     for j, segment in enumerate(layout.segments_of(0)):
         change[segment.states] = monodromy.flow_direction(orbit, z, 0, j)

@@ -2,47 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
 
-from contwalk import quantities
+from contwalk.flow import ErrorControl
 from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.kink import Kink
-from contwalk.problems.orbit import asymmetry, equations, monodromy, sampling, switching, termination
-from contwalk.problems.orbit.closure import closure_image
-from contwalk.problems.orbit.closure_view import ClosureView
+from contwalk.problems.orbit import asymmetry, equations, monodromy, switching, termination
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
+from contwalk.problems.orbit.meshing import meshed, runs_of_closure
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
-from contwalk.problems.orbit.orbit_section import section_through
+from contwalk.problems.orbit.orbit_section import section_through, velocities
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
-from contwalk.problems.orbit.shooting import meshed
+from contwalk.problems.orbit.shooting import MOST_STEPS
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.orbit.step_blocks import multipliers_of
-from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.passed_over import passed_over
-from contwalk.problems.problem import MAX_ABS, Linearization, Sample
+from contwalk.problems.problem import Linearization, Sample
 from contwalk.system import System
-from contwalk.system.declarations import ParameterValues
 
 # Segments that a branch has room for, if it does not begin with more.
 ROOM = 8
-# An orbit that moves less than this part of its magnitudes is a point.
-POINT = 1e-10
-# A state that moves less than this part of what others do, in units of its size, tells no magnitude.
-CONSTANT = 1e-5
 
 
 class PeriodicOrbit(OrbitProblem):
@@ -70,7 +63,7 @@ class PeriodicOrbit(OrbitProblem):
     limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
     branching_offset = 1.0
-    observing, switching = sampling, switching
+    switching = switching
 
     def __init__(
         self,
@@ -90,29 +83,9 @@ class PeriodicOrbit(OrbitProblem):
         """What is known of places where a branch ends, or cannot go on."""
         return SmoothDiagnosis(self)
 
-    @property
-    def observable_names(self) -> tuple[str, ...]:
-        """The system's observables, extremes of the states, then `max_abs`."""
-        own = [o.name for o in self.system.observables]
-        return (*own, *quantities.extreme_names(self.system.state_names), MAX_ABS)
-
-    def view(self, z: np.ndarray) -> tuple[ClosureView, ...]:
-        """The integrated part of the motion of z, shape (N + 1,): one leg."""
-        return (ClosureView(self.segments[-1], self.curve(z), self.given(z), self.duration(z)),)
-
-    def stretches(self, z: np.ndarray) -> list[Stretch[ClosureView]]:
-        """The whole motion of z, shape (N + 1,): the integrated part, and its images, one after the other."""
-        (view,), system, itinerary = self.view(z), self.system, self.itinerary
-        p, every = ParameterValues(**self.values_of(z)), tuple(range(self.states))
-
-        def seen(number: int) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-            return lambda _, states: closure_image(system, itinerary, states, p, number)
-
-        return [Stretch("", view, j * view.duration, seen(j), every) for j in range(itinerary.closures)]
-
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start. z has the shape (N + 1,), the velocity (n,)."""
-        return self.solution(z).velocities[0] / self.duration(z)
+        return velocities(self, z)[0] / self.duration(z)
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """None: there are no events. z has the shape (N + 1,)."""
@@ -124,7 +97,7 @@ class PeriodicOrbit(OrbitProblem):
         if self.forced:
             equations.period_of(self, z)  # asked first: without a period there is no motion to tell of
         residual, jacobian, nodes = equations.with_derivatives(self, z)
-        self.solution(z).nodes = np.concatenate(nodes) if len(nodes) > 1 else nodes[0]
+        self.known.at("nodes", z, self.most_kept, lambda: nodes)
         levels, magnitudes = of_unowned(equations.levels, self), unowned(self.magnitudes_near)
         return Linearization(residual, jacobian, lambda: (levels(z, jacobian), None), lambda: magnitudes(z))
 
@@ -137,40 +110,10 @@ class PeriodicOrbit(OrbitProblem):
 
     def _own_reference(self, z: np.ndarray) -> Reference:
         """The orbit of z as the reference of the integral phase condition."""
-        curve, begins = self.curve(z), self.mesh.ends[:-1] + 1
-        points, rates = (np.split(x, begins) for x in (curve.nodes, curve.rates(curve.times, curve.nodes)))
+        (view,), begins = self.view(z), self.mesh.ends[:-1] + 1
+        every = view.nodes, view.rates_at(self.mesh.times, view.nodes)
+        points, rates = (np.split(x, begins) for x in every)
         return reference_of(self.mesh.steps, points, rates, self.mesh.variation)
-
-    def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
-        """Half the range of each state over the orbit; declared scales where there are any.
-
-        Both have the shape (N + 1,).
-        """
-        m = self.mesh.segments
-        nodes = self.states_along(z)
-        half = 0.5 * np.ptp(nodes, axis=0)
-        shares = half / np.maximum(np.abs(nodes).max(axis=0), self.mesh.variation)
-        moves = np.any(
-            half > POINT * self.mesh.magnitudes
-        )  # a point tells nothing: what it moves is rounding
-        told = moves & (shares > max(CONSTANT * float(shares.max()), 1e-13))
-        half = np.where(told, half, np.nan)
-        for i, state in enumerate(self.system.states):
-            if state.scale is not None:
-                half[i] = state.scale
-        scalars = np.abs(self.scalars(z))
-        scalars[1 - self.forced : -1] = np.nan  # drifts are zero; what they are is noise
-        return self.layout.joined(np.tile(half, m) * np.sqrt(m), scalars, 1.0)
-
-    def states_along(self, z: np.ndarray) -> np.ndarray:
-        """States at the steps of the orbit, shape (k, n). z has the shape (N + 1,)."""
-        return self.solution(z).nodes
-
-    def beginnings(self, z: np.ndarray) -> np.ndarray:
-        """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
-        scalars = np.maximum(np.abs(self.scalars(z)), 1e-300)
-        scalars[1 - self.forced : -1] = 1.0
-        return self.layout.joined(np.tile(self.mesh.variation, self.mesh.segments), scalars, 1.0)
 
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
@@ -257,9 +200,14 @@ class PeriodicOrbit(OrbitProblem):
         own = self.fitting(z)
         starts, values, magnitudes = own.starts(z), own.given(z), own.magnitudes_of(weights)
         tolerance = tolerance or self.discretization.walking
-        given = tolerance, self.discretization.integrator(tolerance), self.parts, own.layout.begins
-        mesh = meshed(self.passages[0], starts, values, magnitudes, *given)
-        mesh = replace(mesh, reason=self.discretization.why(mesh.reason))
+        runs = runs_of_closure(self.passages[0], starts, own.scalars(z), own.layout.begins)
+        control, method = (
+            ErrorControl(tolerance, magnitudes, MOST_STEPS),
+            self.discretization.integrator(tolerance),
+        )
+        mesh = meshed(runs, self.line.constants, control, method, self.parts, closure=True)
+        total = 1.0 if self.forced else abs(self.duration(z))
+        mesh = replace(mesh, total=total, reason=self.discretization.why(mesh.reason))
         self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
         problem = self.on(mesh, section_through(self, starts[0], values, magnitudes))
         # An orbit that is a point still has no velocities to compare with: its section holds the phase.

@@ -19,19 +19,13 @@ from contwalk.problems.kinks import at_the_end
 from contwalk.problems.orbit import without_value
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.passage import Passage
-from contwalk.problems.orbit.repeating import repeating
 
-# An orbit that would go a smaller part of its magnitudes in one period is a point.
-STILL = 1e-11
-# What a state is taken to move at least, in parts of what the one that moves most does.
-LEAST_SHARE = 1e-3
+# An orbit that moves less than this part of typical magnitudes is at rest: solutions are known to 1e-10.
+AT_REST = 1e-9
+# A state that moves less than this part of what the one does that moves most does not move.
 CONSTANT = 1e-5
-# Local errors this small, in units of the magnitudes, are below rounding.
-ROUNDED = 3e-15
 # A motion that has grown so much when its steps vanish grows without bound.
 BURST = 1e3
-# What moves this much less on finer steps did not move.
-SHRINKS = 0.3
 # A motion that ends beyond this part of a leg may have passed the leg's own event.
 AT_ITS_END = 1.0 - 1e-6
 # How far beyond such an end it is looked what has no value, in lengths of the last step.
@@ -42,7 +36,8 @@ MOST_STEPS = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Steps in time, 0 to 1 over the closure, of each segment, and how they came about.
+    """Steps of each segment in time, 0 to 1 over the closure or of segments of legs over each, and how they
+    came about.
 
     Parameters
     ----------
@@ -56,12 +51,16 @@ class Mesh:
         Half the range of each state, or its typical magnitude where it hardly moves.
     magnitudes : ndarray, shape (n,)
         Typical magnitudes of the states.
-    growth : float
-        The largest growth of a generic deviation within a segment.
     reason : str
         Why this integrator.
     total : float
         The duration of the closure, where it is unknown: the unit of durations.
+    grown : tuple of float
+        How much a generic deviation grows at most over each segment, from any time on.
+    amplified : float
+        What local errors grow by at most over a segment, in units of the tolerance, beyond what is expected.
+    guards : ndarray, shape (m,), optional
+        The largest value of each leg's own guard on it: the units of guards.
     """
 
     steps: tuple[np.ndarray, ...]
@@ -69,14 +68,16 @@ class Mesh:
     tolerance: float
     variation: np.ndarray
     magnitudes: np.ndarray
-    growth: float = 1.0
     reason: str = ""
     total: float = 1.0
+    grown: tuple[float, ...] = ()
+    amplified: float = 1.0
+    guards: np.ndarray | None = None
 
     @property
-    def amplified(self) -> float:
-        """What local errors grow by on their way to the end of a segment."""
-        return 1.0
+    def growth(self) -> float:
+        """The largest growth of a generic deviation within a segment."""
+        return max(self.grown, default=1.0)
 
     @property
     def segments(self) -> int:
@@ -260,83 +261,3 @@ _SENTENCES = {
     "step_too_small": "The integrator's step becomes too small within one period: the field is not "
     "smooth there.",
 }
-
-
-def meshed(
-    passage: Passage,
-    starts: np.ndarray,
-    values: np.ndarray,
-    magnitudes: np.ndarray,
-    tolerance: float,
-    method: str,
-    parts: int = 1,
-    cuts: np.ndarray | None = None,
-) -> Mesh:
-    """Steps on which a motion, and a generic neighbour of it, are integrated to a tolerance.
-
-    Parameters
-    ----------
-    starts : ndarray, shape (m, n)
-        State at the beginning of each segment.
-    values : ndarray
-        Scalars and fixed parameters.
-    magnitudes : ndarray, shape (n,)
-        Typical magnitudes of the states. Where a state varies less along the orbit, its variation counts.
-    parts : int
-        The steps are made alike in so many parts of the closure.
-    cuts : ndarray, shape (m,), optional
-        Times at which the segments start; by default they are of equal duration.
-
-    Raises
-    ------
-    NotFinite
-        If the motion ends before the closure does.
-    """
-    k, fixed = len(passage.columns), values[len(passage.columns) :]
-    n, m, given = len(magnitudes), len(starts), (tolerance, method)
-    bounds = np.append(np.arange(m) / m if cuts is None else cuts, 1.0).tolist()
-    runs = [Run(passage, x, values[:k], n + k, bounds[i], bounds[i + 1]) for i, x in enumerate(starts)]
-    variation = magnitudes
-    paths, chosen, reason = stepped(runs, fixed, variation, *given)
-    smaller = _variation(passage, values, paths, variation, tolerance)
-    if np.any(smaller < 0.2 * variation):
-        finer = stepped(runs, fixed, smaller, *given)
-        # A motion that shrinks on finer steps was their error: the orbit is a point.
-        if np.any(_variation(passage, values, finer[0], magnitudes, tolerance) >= SHRINKS * smaller):
-            variation = smaller
-            paths, chosen, reason = finer
-    growth = max(growth_of(path.states[:, len(variation) :] / variation) for path in paths)
-    steps = tuple(path.steady for path in paths)
-    if parts > 1:
-        steps = repeating(steps, parts)
-    total = abs(float(values[0])) if passage.groups["T"] else 1.0
-    return Mesh(steps, chosen, tolerance, variation, magnitudes, growth, reason, total)
-
-
-def _variation(
-    passage: Passage, values: np.ndarray, paths: Sequence[flow.Path], magnitudes: np.ndarray, tolerance: float
-) -> np.ndarray:
-    """Half the range of each state, not above its magnitude; the magnitudes themselves of an orbit that is
-    a point.
-
-    A state that moves far less than the others is taken as moving a thousandth of what they do, and one
-    that does not move as moving as they do: what it seems to move is the error of the steps.
-    """
-    n = len(magnitudes)
-    shares = 0.5 * np.ptp(np.concatenate([path.states for path in paths])[:, :n], axis=0) / magnitudes
-    largest = float(shares.max())
-    if largest < tolerance and (largest * tolerance < ROUNDED or _still(passage, values, paths, magnitudes)):
-        return magnitudes
-    shares = np.where(shares < CONSTANT * largest, largest, shares)
-    return magnitudes * np.clip(shares, LEAST_SHARE * largest, 1.0)
-
-
-def _still(passage: Passage, values: np.ndarray, paths: Sequence[flow.Path], magnitudes: np.ndarray) -> bool:
-    """Whether the field vanishes all along, to rounding."""
-    n, field = len(magnitudes), passage.field(PLAIN)
-    c = field.constants(values)
-    for path in paths:
-        for k in range(0, len(path.times), max(len(path.times) // 8, 1)):
-            if np.abs(field(path.times[k], path.states[k, :n], c) / magnitudes).max() > STILL:
-                return False
-    return True

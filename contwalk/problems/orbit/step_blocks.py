@@ -57,7 +57,7 @@ def steps_of(orbit: DiscretizedOrbit, z: np.ndarray) -> Steps:
 
 def _taken(orbit: DiscretizedOrbit, z: np.ndarray) -> Steps:
     mesh, n, values = orbit.mesh, orbit.states, orbit.given(z)
-    nodes, own = orbit.solution(z).nodes, np.flatnonzero(np.diff(mesh.times) > 0.0)
+    nodes, own = orbit.view(z)[0].nodes, np.flatnonzero(np.diff(mesh.times) > 0.0)
     begins, ends = mesh.times[own], mesh.times[own + 1]
     field = orbit.passages[0].field(PLAIN)
     pairs = np.column_stack([begins, ends]).ravel()

@@ -3,82 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from contwalk.data_class import dataclass
-from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.extrema import Smooth
-from contwalk.problems.orbit.piece import Piece
+from contwalk.problems.orbit.view import LegView
 
-
-class View(Protocol):
-    """An integrated leg of a solution, looked at anywhere.
-
-    Attributes
-    ----------
-    piece : Piece
-    start, duration : float
-        Seconds.
-    """
-
-    piece: Piece
-    start: float
-    duration: float
-
-    @property
-    def x(self) -> np.ndarray:
-        """State of the mode at its start, shape (n_i,)."""
-        ...
-
-    @property
-    def end(self) -> np.ndarray:
-        """State of the mode at the end, shape (n_i,), before what ends it."""
-        ...
-
-    @property
-    def values(self) -> np.ndarray:
-        """What its functions depend on, shape (q,): its scalars, the free parameter last, and fixed ones."""
-        ...
-
-    @property
-    def constants(self) -> np.ndarray:
-        """What its field takes from scalars and fixed parameters. Shape (c,)."""
-        ...
-
-    @property
-    def at(self) -> Callable[[np.ndarray], np.ndarray]:
-        """States of the mode, shape (k, n_i), at any instants in 0..1, a function of these."""
-        ...
-
-    @property
-    def motion(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times in seconds, shape (k,), and full states, with the instants at which one is extreme."""
-        ...
-
-    @property
-    def smooth(self) -> Smooth:
-        """The leg in 0..1 with full states."""
-        ...
-
-    def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """Instants in 0..1, about `number` of them evenly spread and the steps' own, and states there.
-
-        Shapes (k,) and (k, n_i).
-        """
-        ...
-
-    def course(self) -> list[Course]:
-        """The leg as it is looked at for kinks of its field, where it may have any."""
-        ...
-
-    def full(self, x: np.ndarray) -> np.ndarray:
-        """States of the mode as states of the system. Shape (n_i,) or (k, n_i), and (n,) or (k, n)."""
-        ...
-
-
-Own = TypeVar("Own", bound=View, covariant=True)
+Own = TypeVar("Own", bound=LegView, covariant=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +22,7 @@ class Stretch(Generic[Own]):
     ----------
     name : str
         What ends it.
-    view : View
+    view : LegView
     later : float
         Seconds after the integrated one.
     seen : callable

@@ -95,7 +95,7 @@ def speeds_of(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.
 
     z has the shape (N + 1,), both results (s,).
     """
-    times, states = problem.mesh.times, problem.solution(z).nodes
+    times, states = problem.mesh.times, problem.view(z)[0].nodes
     lengths = np.diff(times)
     moves = lengths > 0.0  # at the end of a segment the next one begins
     passed = np.linalg.norm(np.diff(states, axis=0)[moves] / problem.mesh.variation, axis=1)

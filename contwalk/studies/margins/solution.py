@@ -143,15 +143,15 @@ def _smooth(
     system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float], stored: np.ndarray
 ) -> Solution:
     z, mode = sample.z, system.modes[0].name
-    curve, duration = problem.curve(z), problem.duration(z)
+    (view,), duration = problem.view(z), problem.duration(z)
     _, states = problem.motion_of(z)
     period = int(branch.info.settings.get("fold", 1)) * sample.period
     values = dict(problem.values_of(z))
-    begin, _ = _nearest(curve.at, stored, np.ptp(states, axis=0), _neutral(system, problem, states[0]))
+    begin, _ = _nearest(view.at, stored, np.ptp(states, axis=0), _neutral(system, problem, states[0]))
     instants = []
     for fraction in fractions:
         share = (begin + fraction) % 1.0
-        state = np.array(curve.at(np.array([share]))[0])
+        state = np.array(view.at(np.array([share]))[0])
         # A forced orbit is looked at from where its force begins.
         exists = system.states_of(mode)
         instants.append(Instant(fraction, share * duration, mode, state, exists, share=share))

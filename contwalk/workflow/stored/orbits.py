@@ -322,6 +322,6 @@ def _folded(system: System, orbit: Orbit, names: Sequence[str]) -> list[float]:
 
 def _growth(problem: Any, z: np.ndarray) -> np.ndarray:
     """By how much each state is larger after the whole motion of a hybrid orbit."""
-    from contwalk.problems.hybrid.observing import growth
+    from contwalk.problems.orbit.motion import growth
 
     return growth(problem, z)

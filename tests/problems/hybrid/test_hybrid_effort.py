@@ -9,8 +9,8 @@ from hybrid_runs import opened, solution
 
 from contwalk.branch import Outcome
 from contwalk.errors import NotFinite, StartError
-from contwalk.problems.hybrid.shooting import LEAST_MOST, MOST_STEPS, most_steps
 from contwalk.problems.orbit import effort
+from contwalk.problems.orbit.meshing import LEAST_MOST, MOST_STEPS, most_steps
 
 
 def start() -> dict:

@@ -10,7 +10,7 @@ from small_systems import small_system
 
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems.hybrid.families import commutes
-from contwalk.problems.hybrid.observing import visits
+from contwalk.problems.orbit.reporting import visits
 from contwalk.system import Neutral
 
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from contwalk.problems.hybrid.shooting import LEAST_MOST, MOST_STEPS, most_steps
+from contwalk.problems.orbit.meshing import LEAST_MOST, MOST_STEPS, most_steps
 
 
 def mesh(steps, tolerance):

@@ -10,7 +10,7 @@ import pytest
 from small_systems import circle, small_system
 
 import contwalk as cw
-from contwalk.problems.orbit.sampling import crossing
+from contwalk.problems.orbit.reporting import crossing
 from contwalk.problems.passing import Place
 from contwalk.system import State
 
@@ -22,21 +22,24 @@ def round_once(share):
     return np.column_stack([np.cos(turn), np.sin(turn)])
 
 
-def orbit(*stretches):
-    """As much of an orbit as is asked for: where it is on each closure of its period."""
-    return SimpleNamespace(
-        states=2,
-        duration=lambda z: PERIOD / len(stretches),
-        stretches=lambda z: [
-            SimpleNamespace(at=lambda shares, at=at: (shares, at(shares))) for at in stretches
-        ],
-    )
+def motion(shares, *stretches):
+    """As much of the closures of a period as is asked for: where the motion is on each."""
+    lasts = PERIOD / len(stretches)
+    return [
+        SimpleNamespace(
+            at=lambda shares, at=at: (shares, at(shares)),
+            motion=(lasts * (number + shares), at(shares)),
+            later=number * lasts,
+            view=SimpleNamespace(start=0.0, duration=lasts),
+        )
+        for number, at in enumerate(stretches)
+    ]
 
 
 def passing(index, value, direction, period=0.0, at=round_once, samples=14):
     shares = np.linspace(0.0, 1.0, samples)
     place = Place(index, value, direction, period)
-    return crossing(orbit(at), np.zeros(3), PERIOD * shares, at(shares), place)
+    return crossing(motion(shares, at), place, stepped=False, comes_back=True)
 
 
 @pytest.mark.parametrize("value", [0.0, 0.5, -0.8])
@@ -97,10 +100,8 @@ def test_images_of_what_is_integrated_are_as_exact(value, direction):
     def half(share):
         return round_once(0.5 * np.asarray(share))
 
-    shares = np.linspace(0.0, 1.0, 9)
-    times = 0.5 * PERIOD * np.concatenate([shares, 1.0 + shares])
-    whole = orbit(half, lambda share: -half(share))
-    found = crossing(whole, np.zeros(3), times, round_once(times / PERIOD), Place(1, value, direction, 0.0))
+    whole = motion(np.linspace(0.0, 1.0, 9), half, lambda share: -half(share))
+    found = crossing(whole, Place(1, value, direction, 0.0), stepped=False, comes_back=True)
     assert found == pytest.approx([direction * math.sqrt(1.0 - value**2), value], abs=1e-14)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid import limit_points, limits
 from contwalk.problems.hybrid.adjacent.collapse import collapsed, collapses
-from contwalk.problems.hybrid.adjacent.exchange import gone, with_first
+from contwalk.problems.hybrid.adjacent.exchange import both_at_once, gone, with_first
 from contwalk.problems.hybrid.adjacent.insertion import inserted
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrbit
 from contwalk.problems.hybrid.adjacent.removal import removed
@@ -131,7 +131,4 @@ def built_at(problem: LimitedOrbit, z: np.ndarray, limit: Limit, place: float) -
         )
     if limit.test == "end":
         return with_first(problem, z, limit, transition)
-    raise NoAdjacentOrbit(
-        f"'{limit.name}' and '{problem.itinerary.legs[limit.leg].name}' happen at once there, and no "
-        "itinerary with both is known."
-    )
+    raise both_at_once(problem, limit)

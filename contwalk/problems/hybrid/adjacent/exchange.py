@@ -6,7 +6,7 @@ same state, whether the current's event came first or not.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -15,25 +15,22 @@ from contwalk.problems.hybrid.adjacent.orbit import (
     CHANGES,
     AdjacentOrbit,
     NoAdjacentOrbit,
-    after_transition,
     alike,
     assembled,
     falling_as,
+    opened,
     own_limit,
-    starts_and_durations,
-    state_on_leg,
 )
 from contwalk.problems.hybrid.adjacent.removal import visit, without_visit
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Transition
 
 
 def _exchanged(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit:
     """Two transitions that happen at once happen in the other order."""
-    there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
+    i, m = limit.leg, problem.layout.legs
     if m < 2:
         raise NoAdjacentOrbit("the itinerary has one event only.")
     before = (i - 1) % m
@@ -50,14 +47,13 @@ def _exchanged(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOr
             f"'{target}'."
         )
     b, a = pairs[0]
-    states, lasting, start = starts_and_durations(there, z)
-    t = float(there.starting_times(z)[before]) + lasting[before]
-    x = state_on_leg(there, z, before, 1.0)
+    at = opened(problem, z, before)
+    there, states, lasting = at.orbit, at.states, at.lasting
     legs = list(problem.itinerary.legs)
     legs[before] = Leg(origin, b, falling_as(b, legs[i]))
     legs[i] = Leg(b.target, a, falling_as(a, problem.itinerary.legs[before]))
-    middle = after_transition(problem, legs[before], x, t, z)
-    end = after_transition(problem, legs[i], middle, t, z)
+    middle = at.after(legs[before])
+    end = at.after(legs[i], middle)
     following = (i + 1) % m
     apart = np.abs(end - states[following]) / there.mesh.variation
     if float(apart.max()) > CHANGES:
@@ -68,9 +64,8 @@ def _exchanged(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOr
             "near."
         )
     states[i], lasting[i] = middle, 0.0
-    other, unknowns = assembled(
-        there, replace(problem.itinerary, legs=tuple(legs)), states, lasting, start, z
-    )
+    itinerary = replace(problem.itinerary, legs=tuple(legs))
+    other, unknowns = assembled(there, itinerary, states, lasting, at.start, z)
     return AdjacentOrbit(other, unknowns, own_limit(other, i, "duration"))
 
 
@@ -98,27 +93,21 @@ def without_first(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> Adjacen
 
     z has shape (N + 1,).
     """
-    there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
+    i, m = limit.leg, problem.layout.legs
     if m < 2:
         return None
     before, following = (i - 1) % m, (i + 1) % m
     first, last = problem.itinerary.legs[before], problem.itinerary.legs[i]
     assert first.transition is not None
-    assert last.transition is not None
-    states, lasting, start = starts_and_durations(there, z)
-    t = float(there.starting_times(z)[before]) + lasting[before]
-    x = state_on_leg(there, z, before, 1.0)
-    target, scale = problem.itinerary.target(i), there.mesh.variation
-    for other in problem.system.leaving(first.mode):
-        if not alike(other, last.transition) or other.target != target or other.role == "soft":
-            continue
-        leg = Leg(first.mode, other, falling_as(other, last))
-        if _apart(after_transition(problem, leg, x, t, z), states[following], scale) > CHANGES:
+    at = opened(problem, z, before)
+    there, states, lasting, scale = at.orbit, at.states, at.lasting, at.orbit.mesh.variation
+    for leg in _ending_as(problem, first.mode, last, problem.itinerary.target(i)):
+        if _apart(at.after(leg), states[following], scale) > CHANGES:
             continue
         legs = list(problem.itinerary.legs)
         legs[before] = leg
         rest = [k for k in range(m) if k != i]
-        start = start + lasting[i] if i == 0 else start
+        start = at.start + lasting[i] if i == 0 else at.start
         itinerary = replace(problem.itinerary, legs=tuple(legs[k] for k in rest))
         given = [states[k] for k in rest], [lasting[k] for k in rest]
         neighbour, unknowns = assembled(there, itinerary, *given, start, z)
@@ -136,37 +125,39 @@ def with_first(problem: LimitedOrbit, z: np.ndarray, limit: Limit, transition: T
     NoAdjacentOrbit
         If after it the other one does not lead on.
     """
-    there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
+    i, m = limit.leg, problem.layout.legs
     old, target = problem.itinerary.legs[i], problem.itinerary.target(i)
-    assert old.transition is not None
-    refused = NoAdjacentOrbit(
-        f"'{limit.name}' and '{old.name}' happen at once there, and no itinerary with both is known."
-    )
     if problem.itinerary.image and i == m - 1:
-        raise refused
-    states, lasting, start = starts_and_durations(there, z)
-    t = float(there.starting_times(z)[i]) + lasting[i]
+        raise both_at_once(problem, limit)
+    at = opened(problem, z, i)
+    there, states, lasting = at.orbit, at.states, at.lasting
     leg = Leg(old.mode, transition, transition.direction != "rising")
-    middle = after_transition(problem, leg, state_on_leg(there, z, i, 1.0), t, z)
-    for other in problem.system.leaving(transition.target):
-        if not alike(other, old.transition) or other.target != target or other.role == "soft":
+    middle = at.after(leg)
+    for last in _ending_as(problem, transition.target, old, target):
+        if _apart(at.after(last, middle), states[(i + 1) % m], there.mesh.variation) > CHANGES:
             continue
-        last = Leg(transition.target, other, falling_as(other, old))
-        after = after_transition(problem, last, middle, t, z)
-        if _apart(after, states[(i + 1) % m], there.mesh.variation) > CHANGES:
-            continue
-        legs = (*problem.itinerary.legs[:i], leg, last, *problem.itinerary.legs[i + 1 :])
-        states, lasting = [*states[: i + 1], middle, *states[i + 1 :]], _with(lasting, i)
-        neighbour, unknowns = assembled(
-            there, replace(problem.itinerary, legs=legs), states, lasting, start, z
-        )
+        itinerary = problem.itinerary.inserted(i, leg)
+        itinerary = replace(itinerary, legs=(*itinerary.legs[: i + 1], last, *itinerary.legs[i + 2 :]))
+        given = [*states[: i + 1], middle, *states[i + 1 :]], [*lasting[: i + 1], 0.0, *lasting[i + 1 :]]
+        neighbour, unknowns = assembled(there, itinerary, *given, at.start, z)
         return AdjacentOrbit(neighbour, unknowns, own_limit(neighbour, i + 1, "duration"))
-    raise refused
+    raise both_at_once(problem, limit)
 
 
-def _with(lasting: Sequence[float], i: int) -> list[float]:
-    """Durations with a leg of no time after leg i."""
-    return [*lasting[: i + 1], 0.0, *lasting[i + 1 :]]
+def both_at_once(problem: LimitedOrbit, limit: Limit) -> NoAdjacentOrbit:
+    """Nothing is known of an event that happens together with that which ends its leg."""
+    name = problem.itinerary.legs[limit.leg].name
+    return NoAdjacentOrbit(
+        f"'{limit.name}' and '{name}' happen at once there, and no itinerary with both is known."
+    )
+
+
+def _ending_as(problem: LimitedOrbit, mode: str, like: Leg, target: str) -> Iterator[Leg]:
+    """Legs of a mode that end as another one does, and lead to a mode."""
+    assert like.transition is not None
+    for other in problem.system.leaving(mode):
+        if alike(other, like.transition) and other.target == target and other.role != "soft":
+            yield Leg(mode, other, falling_as(other, like))
 
 
 def _apart(a: np.ndarray, b: np.ndarray, scale: np.ndarray) -> float:

@@ -8,13 +8,11 @@ from contwalk.problems.hybrid import limits
 from contwalk.problems.hybrid.adjacent.orbit import (
     AdjacentOrbit,
     NoAdjacentOrbit,
-    after_transition,
     assembled,
+    opened,
     own_limit,
     refuse_change,
     starting_after,
-    starts_and_durations,
-    state_on_leg,
 )
 from contwalk.problems.hybrid.adjacent.visiting import visited
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
@@ -31,10 +29,10 @@ def inserted(
 
     z has shape (N + 1,).
     """
-    there, i = discretized(problem, z), limit.leg
+    i = limit.leg
     old = problem.itinerary.legs[i]
     falls = transition.direction != "rising"
-    leg = Leg(old.mode, transition, falls if transition.direction != "both" else _falls(there, z, limit))
+    leg = Leg(old.mode, transition, falls if transition.direction != "both" else _falls(problem, z, limit))
     if transition.target != old.mode:
         visit = visited(problem, z, limit, place, leg)
         if visit is not None:
@@ -45,22 +43,21 @@ def inserted(
             f"after '{transition.name}' the machine is in mode '{transition.target}', from where {follows} "
             "not follow."
         )
-    states, lasting, start = starts_and_durations(there, z)
-    x, t = state_on_leg(there, z, i, place), float(there.starting_times(z)[i]) + place * lasting[i]
-    after = after_transition(problem, leg, x, t, z)
-    refuse_change(there, transition, x, after)
+    at = opened(problem, z, i, place)
+    there, states, lasting, start, after = at.orbit, at.states, at.lasting, at.start, at.after(leg)
+    refuse_change(there, transition, at.x, after)
     itinerary = problem.itinerary.inserted(i, leg)
     first, second = place * lasting[i], (1.0 - place) * lasting[i]
     states = [*states[: i + 1], after, *states[i + 1 :]]
     lasting = [*lasting[:i], first, second, *lasting[i + 1 :]]
     if not problem.itinerary.eventful:
         itinerary, states, lasting = starting_after(there, z, itinerary, i, states, lasting)
-        start, i = t, len(itinerary) - 1
+        start, i = at.t, len(itinerary) - 1
     other, unknowns = assembled(there, itinerary, states, lasting, start, z)
     return AdjacentOrbit(other, unknowns, own_limit(other, i, "rate"))
 
 
 def _falls(problem: LimitedOrbit, z: np.ndarray, limit: Limit) -> bool:
     """Whether a guard of direction `both` comes down to zero: it is positive elsewhere on its leg."""
-    values = problem.view(z)[limit.leg].guard_values(limits.transition_of(problem, limit))
+    values = discretized(problem, z).view(z)[limit.leg].guard_values(limits.transition_of(problem, limit))
     return bool(values[int(np.argmax(np.abs(values)))] > 0.0)

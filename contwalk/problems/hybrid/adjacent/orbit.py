@@ -104,6 +104,47 @@ def assembled(
     return discretized(other, unknowns), unknowns
 
 
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """An orbit on fine steps, as it is taken apart at an instant at which its itinerary changes.
+
+    Parameters
+    ----------
+    orbit : LimitedOrbit
+    z : ndarray, shape (N + 1,)
+    states : list of ndarray, shape (n,) each
+        Full states at the starts of the legs.
+    lasting : list of float
+        Durations of the legs.
+    start : float
+        When the first one starts.
+    t : float
+        The instant.
+    x : ndarray, shape (n,)
+        The full state there, before what happens.
+    """
+
+    orbit: LimitedOrbit
+    z: np.ndarray
+    states: list[np.ndarray]
+    lasting: list[float]
+    start: float
+    t: float
+    x: np.ndarray
+
+    def after(self, leg: Leg, x: np.ndarray | None = None) -> np.ndarray:
+        """Full state after what ends a leg there, out of its state or another one. Shapes (n,)."""
+        return after_transition(self.orbit, leg, self.x if x is None else x, self.t, self.z)
+
+
+def opened(problem: LimitedOrbit, z: np.ndarray, i: int, place: float = 1.0) -> Opened:
+    """An orbit taken apart on its leg i, by default at the end. z has shape (N + 1,)."""
+    there = discretized(problem, z)
+    states, lasting, start = starts_and_durations(there, z)
+    t = float(there.starting_times(z)[i]) + place * lasting[i]
+    return Opened(there, z, states, lasting, start, t, state_on_leg(there, z, i, place))
+
+
 def starts_and_durations(problem: LimitedOrbit, z: np.ndarray) -> tuple[list[np.ndarray], list[float], float]:
     """Full states at the starts of the legs, durations, and when the first starts.
 

@@ -15,17 +15,14 @@ from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.hybrid import limit_points
 from contwalk.problems.hybrid.adjacent.orbit import (
     AdjacentOrbit,
-    after_transition,
     assembled,
+    opened,
     own_limit,
     refuse_change,
     starting_after,
-    starts_and_durations,
-    state_on_leg,
 )
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Transition
@@ -43,23 +40,21 @@ def visited(
 
     `leg` is the part of the limit's leg up to that event. z has shape (N + 1,).
     """
-    there, i, transition = discretized(problem, z), limit.leg, leg.transition
+    i, transition, at = limit.leg, leg.transition, opened(problem, z, limit.leg, place)
     assert transition is not None
-    states, lasting, start = starts_and_durations(there, z)
-    x, t = state_on_leg(there, z, i, place), float(there.starting_times(z)[i]) + place * lasting[i]
-    entered = after_transition(there, leg, x, t, z)
-    back = _way_back(there, z, transition, leg, t, entered)
+    there, states, lasting, start, entered = at.orbit, at.states, at.lasting, at.start, at.after(leg)
+    back = _way_back(there, z, transition, leg, at.t, entered)
     if back is None:
         return None
-    left = after_transition(there, back, entered, t, z)
-    refuse_change(there, transition, x, left)
+    left = at.after(back, entered)
+    refuse_change(there, transition, at.x, left)
     itinerary = there.itinerary.inserted(i, back).inserted(i, leg)
     states = [*states[: i + 1], entered, left, *states[i + 1 :]]
     lasting = [*lasting[:i], place * lasting[i], 0.0, (1.0 - place) * lasting[i], *lasting[i + 1 :]]
     visit = i + 1
     if not there.itinerary.eventful:
         itinerary, states, lasting = starting_after(there, z, itinerary, i, states, lasting)
-        start, visit = t, 0
+        start, visit = at.t, 0
     other, unknowns = assembled(there, itinerary, states, lasting, start, z)
     if _flat(other, unknowns, visit):
         return None

@@ -58,9 +58,9 @@ class DegenerateGrazing(OrbitLocusPoint):
         places = [*range(n), len(sample.z) - 2, len(sample.z) - 1]
 
         def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            found, row = there.linearize(y), np.zeros((1, len(y)))
+            row = np.zeros((1, len(y)))
             value, row[:, places], row[:, further] = held.over(there.plane, y, y[further])
-            return np.append(found.residual, value), np.vstack([found.jacobian, row])
+            return there.linearize(y).with_row(value, row)
 
         return Augmented(evaluate, sample.z, sample.weights, lambda there, y: {}, in_units=True)
 

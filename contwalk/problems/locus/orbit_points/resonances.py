@@ -43,9 +43,7 @@ class OnTori(OrbitLocusPoint):
         place = problem.plane.size
 
         def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            found, row = there.linearize(y), np.zeros(len(y))
-            row[place] = 1.0
-            return np.append(found.residual, y[place] - self.cosine), np.vstack([found.jacobian, row])
+            return there.linearize(y).with_row(y[place] - self.cosine, np.eye(1, len(y), place))
 
         return Augmented(evaluate, sample.z, sample.weights, lambda there, y: {})
 

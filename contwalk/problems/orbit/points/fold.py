@@ -50,19 +50,17 @@ def fold_system(problem: OrbitData, near: Near) -> Augmented:
     rows, columns = problem.equation_scales, near.weights[:size]
     b, c = critical_vectors(problem, problem.jacobian(near.z)[:, :size] / rows[:, None] * columns)
 
-    def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+    def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         jacobian = there.linearize(z).jacobian
         v, psi, g = bordered(there, jacobian[:, :size] / rows[:, None] * columns, b, c)
-        return v * columns, psi / rows, float(g.real), jacobian
+        return v * columns, psi / rows, float(g.real)
 
     def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        v, psi, g, jacobian = scaled(there, z)
-        gradient = -psi @ variations.derivative_along(there, z, np.append(v, 0.0))
-        residual = np.append(there.linearize(z).residual, g)
-        return residual, np.vstack([jacobian, gradient])
+        v, psi, g = scaled(there, z)
+        return there.linearize(z).with_row(g, -psi @ variations.derivative_along(there, z, np.append(v, 0.0)))
 
     def vectors(there: OrbitData, z: np.ndarray) -> dict:
-        v, psi, _, _ = scaled(there, z)
+        v, psi, _ = scaled(there, z)
         return {"right": v, "left": psi}
 
     return Augmented(evaluate, near.z, near.weights, vectors)

@@ -100,19 +100,17 @@ def flip_system(problem: OrbitData, near: Near) -> Augmented:
     start = variations.cycle_matrix(problem, problem.jacobian(near.z), -1.0)
     b, c = critical_vectors(problem, start / rows[:, None] * columns)
 
-    def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
-        jacobian = there.linearize(z).jacobian
-        matrix = variations.cycle_matrix(there, jacobian, -1.0)
+    def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        matrix = variations.cycle_matrix(there, there.linearize(z).jacobian, -1.0)
         v, psi, g = bordered(there, matrix / rows[:, None] * columns, b, c)
-        return v * columns, psi / rows, float(g.real), jacobian
+        return v * columns, psi / rows, float(g.real)
 
     def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        v, psi, g, jacobian = scaled(there, z)
-        residual = np.append(there.linearize(z).residual, g)
-        return residual, np.vstack([jacobian, -psi @ variations.cycle_derivative(there, z, v)])
+        v, psi, g = scaled(there, z)
+        return there.linearize(z).with_row(g, -psi @ variations.cycle_derivative(there, z, v))
 
     def vectors(there: OrbitData, z: np.ndarray) -> dict:
-        v, psi, _, _ = scaled(there, z[: size + 1])
+        v, psi, _ = scaled(there, z[: size + 1])
         return {"right": v, "left": psi, "multiplier": -1.0}
 
     return Augmented(evaluate, near.z, near.weights, vectors)
