@@ -86,8 +86,9 @@ def test_borders_of_the_maps_hold_in_40_digits(name, free, sweep):
         assert_exact(point, free)
 
 
-def test_the_border_of_fig_12_as_a_curve_of_hopf_points():
-    (_, border) = figure_run("autobalancer_border_chart")
+@pytest.mark.parametrize("figure", ["autobalancer_border_chart", "autobalancer_damping_chart"])
+def test_the_borders_of_figs_10_and_12_as_curves_of_hopf_points(figure):
+    (border,) = (b for b in figure_run(figure) if b.info.settings.get("of") == "HB")
     assert (border["c"].min(), border["c"].max()) == (0.1, 6.0)
     known = border.special_points[0].parameters
     for row in range(0, len(border["c"]), 12):

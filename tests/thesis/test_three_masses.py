@@ -93,6 +93,22 @@ def test_region_1_is_unstable_for_all_angles(system):
     assert 0 in set(above["unstable"])
 
 
+def test_regions_of_fig_25_inside_curves_of_hopf_points():
+    """Regions 2 and 3 are images of one another: the same loads, each closed; 1 is below a curve."""
+    curves = [b for b in figure_run("three_masses_stability_chart") if b.info.settings.get("of") == "HB"]
+    small, *closed = sorted(curves, key=lambda b: b["m"].min())
+    assert small["m"].min() == pytest.approx(float(REGIONS["region1_m_for_all_beta3"]), rel=1e-9)
+    ends = {p.parameters["angle3"]: p.parameters["m"] for p in small.special_points if p.label == "EP"}
+    assert ends[math.pi] == pytest.approx(float(REGIONS["region1_m_at_beta3_pi"]), rel=1e-9)
+    assert [b.outcome.reason for b in closed] == ["closed", "closed"]
+    for curve in closed:
+        # A closed curve has no point right at its extremes.
+        extremes = curve["m"].min(), curve["m"].max()
+        assert extremes == pytest.approx([float(m) for m in REGIONS["region3_m_at_beta3_pi"]], rel=1e-3)
+    bautin = [p for b in closed for p in b.special_points if p.label == "GH"]
+    assert [p.status for p in bautin] == ["located"] * 4
+
+
 def test_three_regions_of_fig_25():
     rows = figure_run("three_masses_stability_map", "sweep.m={from: 0.0025, to: 0.0205, count: 3}")
     assert set(rows[0]["unstable"]) == {2}  # m = 0.0025, region 1
