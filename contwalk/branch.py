@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from contwalk import quantities, tables
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.labels import EVERY_MEANING
 from contwalk.special_point import SpecialPoint

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 from contwalk import tables
-from contwalk.data_class import dataclass
 from contwalk.labels import EVERY_MEANING
 
 

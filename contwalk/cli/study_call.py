@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,6 @@ import click
 from contwalk.cli.going_on import check_resume, command_to_resume, computing, say_interrupted
 from contwalk.cli.jobs_option import jobs_option
 from contwalk.cli.scheduler_option import check_one, scheduler_option
-from contwalk.data_class import dataclass
 
 Command = Callable[..., Any]
 _NAMES = ("file", "overrides", "output", "jobs", "scheduler", "resume", "force", "quiet", "no_figures")

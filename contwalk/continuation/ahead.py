@@ -7,7 +7,7 @@ branches in the order of its queue, from whoever has walked them, and stores the
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -16,7 +16,6 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation.branch_in_progress import BranchInProgress, Start
 from contwalk.continuation.branch_walk import BranchWalk
 from contwalk.continuation.events import Began, Event, Found, Noted
-from contwalk.data_class import dataclass
 
 # Stands in texts for the name of a branch that is not known yet.
 NAMELESS = "\ue000"

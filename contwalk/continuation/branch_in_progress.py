@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from contwalk.continuation.opening import Opening
 from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
-from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError
 from contwalk.labels import END
 from contwalk.problems.problem import MAX_ABS, MAX_RE, PointType, Problem

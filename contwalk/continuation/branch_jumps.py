@@ -14,12 +14,12 @@ tangent tells the two apart.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import Segment
-from contwalk.data_class import dataclass
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Problem

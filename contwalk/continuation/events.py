@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from contwalk.branch import Branch, BranchInfo
 from contwalk.continuation.settings import Settings
-from contwalk.data_class import dataclass
 from contwalk.labels import FOLLOWED
 from contwalk.special_point import SpecialPoint
 

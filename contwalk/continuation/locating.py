@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.continuation.kinds import kinds_of_test
 from contwalk.continuation.segment import Segment
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Located, PointType, Sample, Test

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,7 +14,6 @@ from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.parameter_line import ParameterLine

@@ -8,13 +8,12 @@ does.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation.settings import Settings
-from contwalk.data_class import dataclass
 from contwalk.labels import END
 from contwalk.problems.images import in_words
 from contwalk.problems.problem import Mirror

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import PluginError
 from contwalk.numerics.broyden import broyden_step
 from contwalk.numerics.linear import norm_in

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from contwalk.continuation.state import ContinuationState
-from contwalk.data_class import dataclass
 from contwalk.problems.problem import Problem
 
 

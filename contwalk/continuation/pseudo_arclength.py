@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from contwalk.continuation.records import end_record, found_record
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, adapted, grown
 from contwalk.continuation.step import Step, take_step
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError, NotFinite, PluginError
 from contwalk.problems.problem import LimitType, Problem, Sample
 

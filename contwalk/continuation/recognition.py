@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Protocol, cast
 
@@ -10,7 +11,6 @@ import numpy as np
 
 from contwalk.branch import Branch
 from contwalk.continuation.newton import correct
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.problems.images import MOST_IMAGES, Product, imaged, in_words

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.problems.problem import Problem, Sample, at_stored
 from contwalk.problems.restoring import problem_of
 from contwalk.system import System

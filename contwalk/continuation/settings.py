@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 
-from contwalk.data_class import dataclass
 from contwalk.labels import AT_LIMITS
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from contwalk.continuation.initial_scales import initial_magnitudes, later_magni
 from contwalk.continuation.metric import UNKNOWN, crowded, parameter_weight, updated
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.settings import Settings
-from contwalk.data_class import dataclass
 from contwalk.numerics.linear import kernel_direction, norm_in
 from contwalk.problems.problem import Problem, Sample
 

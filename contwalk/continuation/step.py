@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.zeros_of_test_functions import zeros_of_test_functions
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Located, Problem, Sample, Test

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import isqrt
 from typing import Any
-
-from contwalk.data_class import dataclass
 
 MARGIN = 8.0
 # So few rows are exchanged by choices, without a branch: symmetry would save nothing.

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.errors import UnsupportedOperation
 from contwalk.fields.exact_functions import EXACT
 from contwalk.fields.graph import Graph

@@ -14,9 +14,8 @@ import hashlib
 import math
 import struct
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from contwalk.data_class import dataclass
 from contwalk.fields import elimination_code
 from contwalk.fields.elimination_code import factor_width
 from contwalk.fields.graph import BUNDLES, CONDITIONS, FACTORS, RELATIONS, Graph

@@ -7,9 +7,9 @@ each path. The result is a `Program`: a tree whose inner nodes are conditions an
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.errors import NO_LINE, ContwalkError, UnsupportedOperation, plugin_line
 from contwalk.fields.expression import Expression
 from contwalk.fields.graph import Graph

@@ -9,10 +9,10 @@ always gets the same method.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.integrate import controlled
 from contwalk.flow.path import FINER, STEADY, ErrorControl, Path

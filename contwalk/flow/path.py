@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-
-from contwalk.data_class import dataclass
 
 # From this share of stability-limited steps on, steps that are taken again from elsewhere are made so many
 # times finer.

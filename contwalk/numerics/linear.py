@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 
 import numpy as np
-
-from contwalk.data_class import dataclass
 
 EPSILON = float(np.finfo(float).eps)
 

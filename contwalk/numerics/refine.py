@@ -10,11 +10,11 @@ holds. What is reported is U rounded to floats, so that its error is known and n
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.numerics.linear import Factored, LeastSquares
 
 DIGITS = 40

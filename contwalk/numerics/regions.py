@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-
-from contwalk.data_class import dataclass
 
 # Cells along both sides, and how many samples of a line fall on each that it passes.
 CELLS = (480, 360)

@@ -6,6 +6,7 @@ Where each text goes is decided by `contwalk.plotting.placement`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +15,6 @@ from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from matplotlib.transforms import Transform, offset_copy
 
-from contwalk.data_class import dataclass
 from contwalk.plotting.placement import Ink, Placement
 
 FONT_SIZE = 8.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from contwalk.branch import ORBITS, Branch
-from contwalk.data_class import dataclass
 from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.quantities import axis_label, called, default_x, values, with_names
 from contwalk.plotting.segments import position, runs

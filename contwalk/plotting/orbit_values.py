@@ -9,12 +9,12 @@ any orbit where the run file says at which section or event to look (`report_at`
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import ORBITS, Branch
-from contwalk.data_class import dataclass
 from contwalk.plotting.quantities import axis_label, values
 
 # What varies less than this part of its size is constant but for rounding.

@@ -7,11 +7,10 @@ of small cells, each of which knows in which directions curves pass through it.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-
-from contwalk.data_class import dataclass
 
 # The plane as it is printed, in points; a larger figure is not sharper than this.
 PRINTED = np.array([400.0, 240.0])

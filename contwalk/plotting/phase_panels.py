@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.plotting.phase_portrait import plot_phase_portrait
 from contwalk.plotting.style import new_grid, title

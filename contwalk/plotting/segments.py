@@ -7,10 +7,11 @@ its style from its regular end, and a change of style falls exactly on the speci
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from contwalk.branch import Branch
-from contwalk.data_class import dataclass
 
 # At these labels no eigenvalue crosses: the row's own count holds.
 _WITHOUT_CROSSING = ("EP", "UZ")

@@ -7,10 +7,11 @@ Akima's, which makes no waves beside a kink. Where the cubic would run off, a se
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from contwalk.branch import Branch
-from contwalk.data_class import dataclass
 
 PARTS = 12  # of a segment that is not straight
 FLAT = 5e-4  # how far off its chord a cubic is still straight, in parts of the figure

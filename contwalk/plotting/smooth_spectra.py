@@ -8,9 +8,10 @@ nearby, a segment stays straight.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.plotting.smooth_curves import FARTHEST, akima
 
 PROBED, DENSE = 8, 512  # samples of a segment that tell whether it is bent; among which its points are chosen

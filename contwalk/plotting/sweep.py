@@ -7,11 +7,11 @@ swept value) the most stable one counts: the map answers whether a stable soluti
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk.branch import Branch
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.plotting.quantities import values
 

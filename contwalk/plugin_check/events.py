@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError, PluginError
 from contwalk.fields.derivative import jacobian
 from contwalk.plugin_check.angles import check_angles_at_event

@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 import traceback
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.python_functions import place_of
 
 __all__ = ["Finding", "Place", "Report", "place_of", "place_of_error", "split_place", "split_switch"]

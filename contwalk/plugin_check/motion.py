@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import PluginError, StartError
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.guard_status import ROUNDINGS

@@ -7,12 +7,11 @@ start. What is neutral nowhere is an error; what all fields carry along and a tr
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.fields.derivative import directional
 from contwalk.fields.graph import Graph
 from contwalk.fields.ranges import ranges

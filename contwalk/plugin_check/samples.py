@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from random import Random  # NumPy's takes five milliseconds to import
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.fields.blame import first_not_finite
 from contwalk.plugin_check.findings import Place, place_of, split_place
 from contwalk.plugin_check.traced import Traced

@@ -9,10 +9,10 @@ Only slopes along the surface of the guard count: no motion has its event beside
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.kink import EventKink, JumpThroughZero, Kink, Met, SteepKink
 from contwalk.problems.kinks import JUMPS, PARTS, Course, differ, directions, located

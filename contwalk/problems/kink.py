@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from contwalk.data_class import dataclass
 from contwalk.errors import NotSmooth
 
 REMEDY = (

@@ -10,13 +10,12 @@ leaves derivatives as they are.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.kink import REMEDY, FieldKink, Met
 

@@ -7,12 +7,11 @@ beyond are not near to those before.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.fields.parameter_switching import ParameterSwitching
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.kink import Met, ParameterKink

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import StartError
 from contwalk.system import System
 

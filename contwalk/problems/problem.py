@@ -14,13 +14,13 @@ Rules
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite
 from contwalk.problems.capabilities import Diagnosis, Equivalence, Mirror, Observed
 from contwalk.problems.linearization import Linearization

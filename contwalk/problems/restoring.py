@@ -7,13 +7,13 @@ engine names no kind: it asks here.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, TypeVar
 
 import numpy as np
 
 from contwalk.branch import BranchInfo
-from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError
 from contwalk.problems.neutral import UNDECLARED, constant
 from contwalk.problems.parameter_line import Ends

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.problems.kink import Kink
 
 # A relative margin this far below zero is zero still: on the steps of a branch it is not known better.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -22,7 +22,6 @@ from contwalk.branch import (
     narrowed,
     table_of_branches,
 )
-from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError
 from contwalk.system.declarations import nearest
 

@@ -6,12 +6,11 @@ It keeps the same texts and bytes as the file would, so that both give back the 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError
 from contwalk.storage.database import (
     Database,

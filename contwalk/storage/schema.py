@@ -10,13 +10,12 @@ import json
 import math
 import zlib
 from collections.abc import Mapping
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError
 from contwalk.storage.typed import typed
 

@@ -8,10 +8,10 @@ code of a plugin file, or of a system that has changed since, runs only for one 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.system import System, load_system
 from contwalk.system.loading import is_path, list_systems, plugin_files

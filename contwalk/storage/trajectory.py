@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError
 from contwalk.storage.failures import check_input, failures_of
 from contwalk.storage.seal import append_seal

@@ -8,10 +8,10 @@ multiplier 1 is double, and its left vector is the gradient of what is conserved
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.problems.conserving import ONE_OF_EACH_VALUE
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.orbit_data import OrbitData

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk.continuation.settings import Settings
-from contwalk.data_class import dataclass
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral, System

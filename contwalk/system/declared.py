@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from dataclasses import field as attribute
 from functools import cached_property
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.system.modes import Condition, Mode, Transition
 from contwalk.system.observables import Observable, Signal
 from contwalk.system.starts import Start, Study

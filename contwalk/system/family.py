@@ -7,10 +7,9 @@ in the built system: a machine with two masses carries nothing of one with three
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.errors import SystemDefinitionError
 from contwalk.system.declarations import System, nearest
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from dataclasses import field as attribute
 
-from contwalk.data_class import dataclass
 from contwalk.errors import SystemDefinitionError
 from contwalk.system.names import require_callable, require_name, require_side, shown
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.system.names import require_callable, require_name, require_side, require_texts
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from dataclasses import field as attribute
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.errors import SystemDefinitionError
 from contwalk.system.names import require_callable, require_name
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from dataclasses import field as attribute
 
-from contwalk.data_class import dataclass
 from contwalk.errors import SystemDefinitionError
 from contwalk.system.names import require_callable, require_name, require_texts
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import StartError, SystemDefinitionError, called
 from contwalk.system.checks import check_presets, check_references, entries_of
 from contwalk.system.declared import Declared, with_conserved

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import SystemDefinitionError
 from contwalk.system.names import is_number, require_name, require_texts
 

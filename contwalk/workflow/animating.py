@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.system import System
 

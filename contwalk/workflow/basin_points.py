@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.numerics.threads import one_thread
 from contwalk.studies.margins.survival import SURVIVED
 from contwalk.workflow.margin_rays import Study, survival_of

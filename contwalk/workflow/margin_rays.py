@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
 from contwalk.studies.margins.borders import borders_on

@@ -5,11 +5,10 @@ from __future__ import annotations
 import csv
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import failures_of
 from contwalk.storage.journal import Journal, check_stopped

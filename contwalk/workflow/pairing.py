@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.data_class import dataclass
 
 
 @dataclass

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from contwalk.continuation.ahead import Message, Task
-from contwalk.data_class import dataclass
 from contwalk.workflow.study_text import StudyText
 
 

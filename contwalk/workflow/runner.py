@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,6 @@ from contwalk.continuation.ahead import Ahead
 from contwalk.continuation.branch_in_progress import Stored
 from contwalk.continuation.diagram import Diagram
 from contwalk.continuation.events import Began, Cut, Dropped, Ended, Event, Found, Noted
-from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError
 from contwalk.numerics.threads import one_thread
 from contwalk.special_point import allowed_error

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import StartError
 from contwalk.flow.compiled.traced import field_of
 from contwalk.flow.ensemble.sampling import Measured, Motions, measure

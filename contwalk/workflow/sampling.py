@@ -5,12 +5,12 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.ensemble.sampling import BATCH, Measured
 from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import failures_of

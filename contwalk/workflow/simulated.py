@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.events.crossings import Event
 
 LONGEST = 500_000  # steps, after which a motion that has not settled is given up

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError, NotFinite
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.equilibrium.declared import named_equilibria

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.settings import Settings
-from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError, StartError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.studies.opening import opened

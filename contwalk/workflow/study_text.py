@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from contwalk.data_class import dataclass
 from contwalk.errors import PluginError
 from contwalk.system import System
 

@@ -7,11 +7,10 @@ import math
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from contwalk.branch import Branch
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
 from contwalk.storage import open_database

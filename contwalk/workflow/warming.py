@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-
-from contwalk.data_class import dataclass
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,11 @@ import threading
 from bisect import insort
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
 from contwalk.continuation.ahead import Message, Task
-from contwalk.data_class import dataclass
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk
 from contwalk.workflow.walking_ahead import StudyText, Walker, failed_elsewhere
 

@@ -7,10 +7,10 @@ row the times. Jacobians come out alike, a row for each entry.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.fields.lanes import LANES, lanes_text
 from contwalk.fields.llvm import Code, code_derived_from, code_of
 from contwalk.flow.compiled.entry_points import text_behind

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import ctypes
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module, metadata
 from threading import RLock
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.fields.llvm import Code, cached_code
 from contwalk.module_texts import text_behind
 

@@ -10,12 +10,12 @@ exact).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.events.guard import EPSILON, Guard, just_after
 from contwalk.flow.integrate import along, dense

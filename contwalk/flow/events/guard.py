@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.traced import field_of
 from contwalk.flow.events.guard_code import OUTPUTS, GuardCode

@@ -8,12 +8,12 @@ to lie.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.fields.parameter_switching import ParameterSwitching
 from contwalk.fields.switching import Switching
 from contwalk.fields.trace import Program

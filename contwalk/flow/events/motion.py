@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.events.crossings import Event, crossings
 from contwalk.flow.events.guard import Guard

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import NO_LINE
 from contwalk.fields.blame import first_nearly_singular, first_switched
 from contwalk.flow.hybrid.event_integrator import METHOD

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from contwalk.data_class import dataclass
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.guard_status import GuardStatus
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from ctypes import addressof
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.events.guard_code import OUTPUTS

@@ -8,10 +8,10 @@ differentiated on their steps.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite
 from contwalk.flow.hybrid.event_integrator import METHOD, EventIntegrator
 from contwalk.flow.hybrid.event_records import ARRIVED

@@ -9,11 +9,10 @@ mass that sticks is released.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.events.guard import EPSILON, Guard
 from contwalk.flow.hybrid import guard_taylor_records as records
 from contwalk.flow.hybrid.guard_taylor import GuardTaylor

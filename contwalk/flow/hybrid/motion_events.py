@@ -8,10 +8,10 @@ of `motions` goes on from the last event to the next; the steps of both are the 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.hybrid import event_records as answers
 from contwalk.flow.hybrid.clocks import Clocks
 from contwalk.flow.hybrid.event_integrator import METHOD, EventIntegrator

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.events.crossings import Event
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
 

@@ -10,11 +10,10 @@ Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd edition, IV.5
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
-
-from contwalk.data_class import dataclass
 
 LEAST_DEGREE, MOST_DEGREE = 2, 8
 

@@ -8,9 +8,9 @@ computed with 60 digits from the definition: the nodes are the zeros of the (s-1
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
 
-from contwalk.data_class import dataclass
+import numpy as np
 
 Numbers = tuple[float, ...]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contwalk.data_class import dataclass
+from dataclasses import dataclass
 
 Combination = dict[int, float]
 """A sum of stages: stage -> coefficient; those that are missing are zero."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.data_class import dataclass
 from contwalk.fields.blame import first_not_finite, first_switched
 from contwalk.fields.switching import Inputs
 from contwalk.problems import kinks, parameter_kinks

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.guard_status import ENTERING, guard_statuses

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.problems.hybrid.mirrors import Span
 from contwalk.problems.orbit.itinerary import Itinerary
 

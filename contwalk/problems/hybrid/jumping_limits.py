@@ -8,10 +8,10 @@ that acts jumps, its event happens, or ceases to, and no equation tells it.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import NO_LINE, NotFinite, PluginError
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching

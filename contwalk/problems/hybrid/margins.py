@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.memory import computed_once
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES
 from contwalk.problems.problem import LimitType

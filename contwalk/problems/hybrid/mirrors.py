@@ -8,10 +8,10 @@ its own image too.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.itinerary import Leg, has_image, image_of

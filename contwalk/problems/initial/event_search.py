@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import StartError
 from contwalk.flow.hybrid.motion_segment import MotionSegment
 from contwalk.flow.hybrid.motions import HybridMachine, hybrid_machine

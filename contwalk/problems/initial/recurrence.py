@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk import flow
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite, StartError
 from contwalk.flow.method import Choice, choose
 from contwalk.flow.path import ErrorControl

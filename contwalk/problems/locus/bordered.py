@@ -20,11 +20,11 @@ as borders there are two such functions, and both vanish.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.numerics.linear import EPSILON, balanced
 from contwalk.problems.locus.plane import FloatPlace, Place
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.numerics.linear import EPSILON, balanced
 from contwalk.problems.locus import bordered
 from contwalk.problems.locus.bordered import CrossingBorders, Deficient

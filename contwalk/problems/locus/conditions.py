@@ -20,11 +20,11 @@ The unknowns stand in the order x, drifts, kappas or mu, second, first.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.numerics.linear import EPSILON
 from contwalk.numerics.refine import DefiningSystem
 from contwalk.problems.locus import bordered

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.branch_points import branch_point
 from contwalk.problems.locus.conditions import (

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.data_class import dataclass
 from contwalk.problems.equilibrium.diagnosis import VANISHING, EquilibriumDiagnosis
 from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kink import Kink, Met

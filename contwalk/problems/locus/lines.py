@@ -10,11 +10,11 @@ each.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.problems.parameter_line import Ends, ParameterLine
 
 

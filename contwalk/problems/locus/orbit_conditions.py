@@ -19,11 +19,11 @@ resonances 1:1 and 1:2), and beyond, where they are real (neutral saddles; Govae
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.numerics.linear import Factored
 from contwalk.problems.locus.bordered import major, towards
 from contwalk.problems.orbit import scales, variations

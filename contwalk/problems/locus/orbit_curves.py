@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite, StartError
 from contwalk.problems.hybrid import limit_points
 from contwalk.problems.hybrid.margins import Limit

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.problems.hybrid import limit_points, limits_told
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.locus.orbit_curve import OrbitCurve

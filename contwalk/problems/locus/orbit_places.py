@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.problems.locus.lines import along_parameter, along_tangent
 from contwalk.problems.locus.valued import Valued
 from contwalk.problems.orbit.augmented import Augmented

@@ -9,11 +9,10 @@ taken as differences of both sides.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
-from contwalk.data_class import dataclass
 
 # How far along each direction the functions are looked at, in the metric.
 BESIDE = 1e-4

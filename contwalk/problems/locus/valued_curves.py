@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.errors import StartError
 from contwalk.problems.locus.flips import Flips
 from contwalk.problems.locus.orbit_conditions import At

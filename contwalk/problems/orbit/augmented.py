@@ -14,13 +14,12 @@ on steps of a hundredth of the tolerance, and on still finer ones, whose correct
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from contwalk import quantities
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite, StartError
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.orbit.discretization import TIGHTEST

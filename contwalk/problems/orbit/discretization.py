@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
-
-from contwalk.data_class import dataclass
 
 # Tolerances beyond these do not pay: looser ones lose the branch, tighter ones drown in rounding.
 LOOSEST, TIGHTEST = 1e-5, 3e-15

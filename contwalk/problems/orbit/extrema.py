@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-
-from contwalk.data_class import dataclass
 
 # Samples of each step.
 PARTS = 4

@@ -8,10 +8,10 @@ units of what is left of the parameter's way.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.orbit_data import OrbitData

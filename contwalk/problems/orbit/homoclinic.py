@@ -22,12 +22,11 @@ parameter is mostly more than what is left of its way.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.orbit.held_periods import longer_periods
 from contwalk.problems.orbit.homoclinic_laws import (

@@ -6,10 +6,10 @@ The table of `homoclinic` says which equilibrium has which law.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.problem import Sample
 

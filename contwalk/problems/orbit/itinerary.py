@@ -15,10 +15,9 @@ is the image of the first one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.system import Symmetry, System, Transition
 
 

@@ -8,11 +8,10 @@ mode to mu v, and to a part along the orbit (the neighbour is ahead, or late) an
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.numerics.spectrum import complement
 

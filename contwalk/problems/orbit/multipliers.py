@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.numerics import krein
 from contwalk.numerics.periodic_schur import product_eigenvalues
 from contwalk.numerics.spectrum import complement

@@ -6,12 +6,12 @@ method sees are smooth, and their derivatives are those of the integrator's own 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from contwalk import flow
-from contwalk.data_class import dataclass
 from contwalk.problems.orbit.lifts import MIXED, PLAIN, TANGENT
 from contwalk.problems.orbit.passage import Passage
 

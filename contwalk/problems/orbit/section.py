@@ -12,10 +12,9 @@ over the whole period (Doedel, 1981).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-
-from contwalk.data_class import dataclass
 
 # Parts of the mean speed of an orbit, in the metric. One that is faster than the second somewhere, and for
 # half its time not slower than the first, has jumps; of others the fastest speed counts.

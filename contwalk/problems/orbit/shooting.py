@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from contwalk import flow
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite
 from contwalk.flow.method import Carried, choose
 from contwalk.flow.tableaus.dop853 import DOP853

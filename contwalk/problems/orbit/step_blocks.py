@@ -8,10 +8,11 @@ relative accuracy.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from contwalk import flow
-from contwalk.data_class import dataclass
 from contwalk.problems import conserving
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.discretization import STAGES

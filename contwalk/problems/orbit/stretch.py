@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.problems.orbit.extrema import Smooth
 from contwalk.problems.orbit.view import LegView
 

@@ -12,12 +12,12 @@ a multiple of period(p), which is traced, and neither it nor s is an input.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import SystemDefinitionError
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace

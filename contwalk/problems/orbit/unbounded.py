@@ -10,11 +10,11 @@ rounding, or no more than errors of the equations are worth at an orbit of that 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.data_class import dataclass
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.orbit_data import OrbitData

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
-
-from contwalk.data_class import dataclass
 
 # A ray is given up where nothing survives that is larger than this part of where the search begins.
 SMALLEST = 1e-12

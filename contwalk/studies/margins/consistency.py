@@ -13,10 +13,10 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow, applied
 from contwalk.system import System, Transition
 

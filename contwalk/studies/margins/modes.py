@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.deviations import Deviations
 from contwalk.studies.margins.solution import ACCURATE, Instant, Solution

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-
-from contwalk.data_class import dataclass
+from dataclasses import dataclass
 
 Vertex = tuple[int, int]
 

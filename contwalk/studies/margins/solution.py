@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -10,7 +11,6 @@ import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.discretization import Discretization

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.flow.hybrid.motion_events import TIME_UP, MotionEvents, Standpoint

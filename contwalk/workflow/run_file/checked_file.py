@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
-from contwalk.data_class import dataclass
 from contwalk.system import System
 from contwalk.workflow.file_names import beside
 

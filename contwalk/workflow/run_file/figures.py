@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contwalk import quantities
-from contwalk.data_class import dataclass
 from contwalk.figure_formats import allowed_formats, unknown_format
 from contwalk.system.declarations import System
 from contwalk.workflow.quantities import listed

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from contwalk.data_class import dataclass
 from contwalk.errors import RunFileError
 from contwalk.system import System
 from contwalk.workflow.run_file.checked_file import CheckedFile

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contwalk.data_class import dataclass
+from dataclasses import dataclass
+
 from contwalk.workflow.run_file.checked_file import CheckedFile
 from contwalk.workflow.run_file.figures import FigureSpec
 from contwalk.workflow.run_file.starts import StartSpec

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
-from contwalk.data_class import dataclass
 from contwalk.workflow.run_file.document import shown
 from contwalk.workflow.run_file.values import number, wrong
 

@@ -9,11 +9,10 @@ from __future__ import annotations
 import copy
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.plugin_check.at_load import load_system
 from contwalk.problems.parameter_line import ParameterLine

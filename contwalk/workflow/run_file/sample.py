@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from contwalk.data_class import dataclass
 from contwalk.errors import RunFileError, StartError
 from contwalk.system import System
 from contwalk.workflow.run_file.document import Key

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from contwalk import quantities
-from contwalk.data_class import dataclass
 from contwalk.system.declarations import System
 from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.parameters import check_bounds, parameter_named

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from contwalk.data_class import dataclass
 from contwalk.system import System
 from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.document import Key

@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.branch import LABELS
-from contwalk.data_class import dataclass
 from contwalk.errors import DatabaseError, StartError
 from contwalk.system.declarations import System
 from contwalk.workflow.run_file.document import Key

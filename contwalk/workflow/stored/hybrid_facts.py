@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.system import System
 
 # Parts of the scale of a margin: zero at the point that is located there, and below zero beyond doubt.

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.deviations import Deviations
 from contwalk.system import System

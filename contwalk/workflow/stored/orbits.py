@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +11,6 @@ import numpy as np
 
 from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
-from contwalk.data_class import dataclass
 from contwalk.errors import ContwalkError
 from contwalk.plotting.segments import at_birth
 from contwalk.problems.orbit.discretization import Discretization

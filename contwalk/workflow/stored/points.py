@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.errors import StartError
 from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.storage import FileDatabase, open_database

@@ -9,13 +9,13 @@ evaluated with as many digits as it takes.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.data_class import dataclass
 from contwalk.numerics.linear import EPSILON
 from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems.equilibrium.defining_systems import solve
