@@ -12,7 +12,7 @@ import keyword
 import tokenize
 from collections import defaultdict
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import pytest
@@ -236,3 +236,9 @@ def test_methods_and_inner_functions_are_counted_without_self():
     source = "class A:\n    def f(self, a, b, *, c): ...\n\ndef g(x):\n    def h(a, b, c): ...\n"
     found = {name: positional(f) for name, f in functions(ast.parse(source).body, "m")}
     assert found == {"m.A.f": 2, "m.g": 1, "m.h": 3}
+
+
+def test_files_of_tests_have_names_of_their_own():
+    """pytest imports them by their names alone: of two alike in different folders it runs only one."""
+    names = sorted(path.name for path in Path(__file__).parent.rglob("test_*.py"))
+    assert [name for name, after in pairwise(names) if name == after] == []

@@ -110,9 +110,9 @@ class Multipliers:
         known = np.maximum(self.accuracy if self.accuracies is None else self.accuracies, 2.0 * trivial)
         off = np.abs(self.values - 1.0)
         own = (off <= SAFELY * known) & (self.values.imag == 0.0)
-        return replace(
-            self, errors=np.where(own, np.maximum(self.errors, np.maximum(known, off)), self.errors)
-        )
+        errors = np.where(own, np.maximum(self.errors, np.maximum(known, off)), self.errors)
+        # It is one: by what it differs from that, others may be wrong as well.
+        return replace(self, errors=errors, accuracy=float(np.max(off[own], initial=self.accuracy)))
 
     def unstable(self, before: int | None) -> int:
         """Number of multipliers outside the unit circle.

@@ -206,7 +206,7 @@ class PeriodicOrbit(OrbitProblem):
             self.discretization.integrator(tolerance),
         )
         mesh = meshed(runs, self.line.constants, control, method, self.parts, closure=True)
-        total = 1.0 if self.forced else abs(self.duration(z))
+        total = 1.0 if self.forced else abs(own.duration(z))
         mesh = replace(mesh, total=total, reason=self.discretization.why(mesh.reason))
         self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
         problem = self.on(mesh, section_through(self, starts[0], values, magnitudes))
