@@ -91,25 +91,34 @@ class Multipliers:
         errors = np.maximum(self.errors, error)
         return replace(self, errors=errors, accuracy=max(self.accuracy, error), accuracies=each)
 
-    def beside(self, share: float, error: float = 0.0, trivial: float = 0.0) -> Multipliers:
+    def beside(
+        self, share: float, value: float = np.inf, error: float = 0.0, trivial: float = 0.0
+    ) -> Multipliers:
         """The same on a family along which the parameter has this share of the unit tangent.
 
         Where the parameter stands still one multiplier is 1, the family's own: what it differs by is errors
-        of the steps, and so is what share there is. It counts as at the neighbouring point.
+        of the steps, and so is what share there is. It counts as at the neighbouring point. Of a parameter
+        that is zero more than rounding is noise: beside a birth at another value so much tells how the
+        branch goes.
 
         Parameters
         ----------
         share : float
+        value : float
+            Of the parameter, in the metric.
         error : float
-            Of the solution in the metric: so much, about, of the share is noise.
+            Of the solution in the metric: so much, about, of both is noise.
         trivial : float
             What the flow's own multiplier differs from 1 by.
         """
-        if abs(share) > max(STILL, min(OFTEN * error, FAINT)):
+        noise = min(OFTEN * error, FAINT)
+        zero = abs(value) <= noise
+        if abs(share) > (max(STILL, noise) if zero else STILL):
             return self
-        known = np.maximum(self.accuracy if self.accuracies is None else self.accuracies, 2.0 * trivial)
+        known = self.accuracy if self.accuracies is None else self.accuracies
+        known = np.maximum(known, 2.0 * trivial) if zero else np.asarray(known)
         off = np.abs(self.values - 1.0)
-        own = (off <= SAFELY * known) & (self.values.imag == 0.0)
+        own = (off <= (SAFELY if zero else 1.0) * known) & (self.values.imag == 0.0)
         errors = np.where(own, np.maximum(self.errors, np.maximum(known, off)), self.errors)
         # It is one: by what it differs from that, others may be wrong as well.
         return replace(self, errors=errors, accuracy=float(np.max(off[own], initial=self.accuracy)))

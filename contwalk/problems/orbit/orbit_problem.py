@@ -144,7 +144,8 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
         found = monodromy.doubted(self, self.multipliers(z, jacobian), trivial, jacobian)
         errors = equations.errors(self, linearization)
         orientation, error = linearization.orientation_and_error(unit, weights, errors)
-        found = found.beside(float(unit[-1] / weights[-1]), *np.nan_to_num([error, trivial], posinf=0.0))
+        share, value = float(unit[-1] / weights[-1]), float(z[-1] / weights[-1])
+        found = found.beside(share, value, *np.nan_to_num([error, trivial], posinf=0.0))
         met = kinks_along(self, z) if known is None else known.kinks
         refuse(met)
         # The flow's own multiplier is one exactly: what it misses by, the others may.
