@@ -189,6 +189,37 @@ def map_as_machine(step: Callable, names: str, values: dict[str, float], scale: 
     )
 
 
+def map_plugin(name: str, images: Sequence[str], values: dict[str, float]) -> str:
+    """The text of a plugin of a map of x and y as a machine; `images` are written in x[0], x[1] and p."""
+    kick = "\n".join(f"    x_plus[{k}] = {image}" for k, image in enumerate(images))
+    parameters = ", ".join(f'Parameter("{key}", {value})' for key, value in values.items())
+    return f"""
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def still(t, x, p, dx):
+    dx[0] = 0.0 * x[0]
+    dx[1] = 0.0 * x[1]
+
+def clock(t, x, p):
+    return (t % 1.0) - 0.5
+
+def kick(t, x, p, x_plus):
+{kick}
+
+SYSTEM = System(
+    "{name}",
+    states=(State("x", scale=1.0), State("y", scale=1.0)),
+    parameters=({parameters},),
+    modes=(Mode("still", still),),
+    transitions=(Transition("kick", "still", "still", clock, "rising", reset=kick),),
+    period=lambda p: 1.0,
+)
+"""
+
+
+HENON = ("x[1]", "p.alpha - p.beta * x[0] - x[1] ** 2")
+
+
 def henon() -> System:
     """(x, y) -> (y, alpha - beta x - y^2)."""
     return map_as_machine(

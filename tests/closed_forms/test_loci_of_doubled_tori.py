@@ -14,7 +14,7 @@ import math
 import numpy as np
 import pytest
 from hybrid_runs import branch_of
-from loci_of_orbits import FINE, WALKED, assert_at, labels, largest, map_as_machine, studied
+from loci_of_orbits import FINE, WALKED, assert_at, labels, largest, map_as_machine, map_plugin, studied
 
 import contwalk as cw
 
@@ -23,28 +23,8 @@ pytestmark = pytest.mark.slow
 C, D = -1.0, 0.3
 SLOPE = 2.0 + D / C
 
-PLUGIN = """
-from contwalk.system import Mode, Parameter, State, System, Transition
-
-def still(t, x, p, dx):
-    dx[0] = 0.0 * x[0]
-    dx[1] = 0.0 * x[1]
-
-def kick(t, x, p, x_plus):
-    x_plus[0] = -x[0] + x[1]
-    x_plus[1] = -x[1] + p.e1 * x[0] + p.e2 * x[1] - x[0] ** 3 + 0.3 * x[0] ** 2 * x[1]
-
-SYSTEM = System(
-    "resonant", about="a map with a resonance 1:2",
-    states=(State("x", scale=1.0), State("y", scale=1.0)),
-    parameters=(Parameter("e1", 0.3), Parameter("e2", 0.4)),
-    modes=(Mode("still", still),),
-    transitions=(
-        Transition("kick", "still", "still", lambda t, x, p: (t % 1.0) - 0.5, "rising", reset=kick),
-    ),
-    period=lambda p: 1.0,
-)
-"""
+IMAGES = ("-x[0] + x[1]", "-x[1] + p.e1 * x[0] + p.e2 * x[1] - x[0] ** 3 + 0.3 * x[0] ** 2 * x[1]")
+PLUGIN = map_plugin("resonant", IMAGES, {"e1": 0.3, "e2": 0.4})
 
 RUN = """
 contwalk: 1

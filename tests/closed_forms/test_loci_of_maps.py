@@ -7,36 +7,14 @@ from __future__ import annotations
 
 import pytest
 from hybrid_runs import branch_of
-from loci_of_orbits import FINE, henon_fixed_point, labels, map_as_machine, studied
+from loci_of_orbits import FINE, HENON, henon_fixed_point, labels, map_as_machine, map_plugin, studied
 from small_systems import labelled
 
 import contwalk as cw
 
 pytestmark = pytest.mark.slow
 
-PLUGIN = """
-from contwalk.system import Mode, Parameter, State, System, Transition
-
-def still(t, x, p, dx):
-    dx[0] = 0.0 * x[0]
-    dx[1] = 0.0 * x[1]
-
-def clock(t, x, p):
-    return (t % 1.0) - 0.5
-
-def kick(t, x, p, x_plus):
-    x_plus[0] = x[1]
-    x_plus[1] = p.alpha - p.beta * x[0] - x[1] ** 2
-
-SYSTEM = System(
-    "henon",
-    states=(State("x", scale=1.0), State("y", scale=1.0)),
-    parameters=(Parameter("alpha", 0.5), Parameter("beta", 0.3)),
-    modes=(Mode("still", still),),
-    transitions=(Transition("kick", "still", "still", clock, "rising", reset=kick),),
-    period=lambda p: 1.0,
-)
-"""
+PLUGIN = map_plugin("henon", HENON, {"alpha": 0.5, "beta": 0.3})
 X = henon_fixed_point(0.5, 0.3)
 RUN = f"""
 system: ./henon.py

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from loci_of_orbits import studied
+from loci_of_orbits import HENON, map_plugin, studied
 
 from contwalk.branch import Branch
 from contwalk.problems.orbit.discretization import Discretization
@@ -81,33 +81,6 @@ def test_points_of_curves_of_orbits_are_found_again(touching) -> None:
         assert found.verdict == AGREES, found
 
 
-HENON = """
-from contwalk.system import Mode, Parameter, State, System, Transition
-
-
-def still(t, x, p, dx):
-    dx[0] = 0.0 * x[0]
-    dx[1] = 0.0 * x[1]
-
-
-def clock(t, x, p):
-    return (t % 1.0) - 0.5
-
-
-def kick(t, x, p, x_plus):
-    x_plus[0] = x[1]
-    x_plus[1] = p.alpha - p.beta * x[0] - x[1] ** 2
-
-
-SYSTEM = System(
-    "henon",
-    states=(State("x", scale=1.0), State("y", scale=1.0)),
-    parameters=(Parameter("alpha", 0.3), Parameter("beta", 0.9)),
-    modes=(Mode("still", still),),
-    transitions=(Transition("kick", "still", "still", clock, "rising", reset=kick),),
-    period=lambda p: 1.0,
-)
-"""
 MAP = """
 system: ./henon.py
 start: {simulate: {state: {x: 0.14, y: 0.14}, until: settled}}
@@ -122,7 +95,9 @@ output: henon.h5
 
 def test_tori_are_followed_from_a_resonance_on_folds(tmp_path) -> None:
     """R1 at (-1, 1), tori where beta is one, R4 at alpha = 0."""
-    _, (_, folds, tori), notes = studied(tmp_path, "henon", HENON, MAP)
+    _, (_, folds, tori), notes = studied(
+        tmp_path, "henon", map_plugin("henon", HENON, {"alpha": 0.3, "beta": 0.9}), MAP
+    )
     assert (folds.info.settings["of"], tori.info.settings["of"]) == ("LP", "NS")
     assert {p.label for p in tori.special_points} == {"R1", "R4", "EP"}
     assert np.max(np.abs(tori["beta"] - 1.0)) < 1e-6

@@ -40,7 +40,7 @@ class OrbitLocusPoint(PointType):
         return found
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """Kind, coefficients and note of a located point.
+        """Kind, coefficients and note of a located point: those of its label's normal form, if it has one.
 
         Raises
         ------
@@ -49,7 +49,10 @@ class OrbitLocusPoint(PointType):
         NotFinite
             Where there is no motion beside it.
         """
-        return None, {}, None
+        if self.label not in FORMS:
+            return None, {}, None
+        there, own = problem.plane.first(located.z)
+        return None, FORMS[self.label](there.return_map(own)), None
 
     def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
@@ -96,20 +99,6 @@ FORMS: dict[str, Callable[[SectionMap], dict[str, Any]]] = {
     "PDNS": normal_forms_of_codim_two.flip_and_torus,
     "NSNS": normal_forms_of_codim_two.two_tori,
 }
-
-
-def normal_form(problem: Any, located: Located, label: str) -> dict[str, Any]:
-    """The coefficients of a located point of a label; none of points that have no such form.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError, NotFinite
-        Where the critical directions are not determined.
-    """
-    if label not in FORMS:
-        return {}
-    there, own = problem.plane.first(located.z)
-    return FORMS[label](there.return_map(own))
 
 
 def known_to(problem: Any) -> float:

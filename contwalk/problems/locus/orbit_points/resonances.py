@@ -16,7 +16,6 @@ from contwalk.problems.locus.orbit_points.point import (
     OrbitLocusPoint,
     known_to,
     near_of,
-    normal_form,
     together,
 )
 from contwalk.problems.locus.orbit_points.switching import born
@@ -46,10 +45,6 @@ class OnTori(OrbitLocusPoint):
             return there.linearize(y).with_row(y[place] - self.cosine, np.eye(1, len(y), place))
 
         return Augmented(evaluate, sample.z, sample.weights, lambda there, y: {})
-
-    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """The coefficients of the resonance."""
-        return None, normal_form(problem, located, self.label), None
 
 
 class R1OnTori(OnTori):
@@ -135,10 +130,6 @@ class SecondMultiplier(OrbitLocusPoint):
         near = near_of(problem, sample, own)
         pair = pair_system(there, near, self.multiplier, held=True)
         return together(problem, sample, [Held(pair, np.zeros(0, dtype=int))], np.zeros(0))
-
-    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """The coefficients of the resonance."""
-        return None, normal_form(problem, located, self.label), None
 
     def critical(self, point: SpecialPoint, sample: Sample) -> complex:
         """The multiplier that arrives."""

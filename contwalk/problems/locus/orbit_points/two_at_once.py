@@ -18,7 +18,6 @@ from contwalk.problems.locus.orbit_points.point import (
     OrbitLocusPoint,
     known_to,
     near_of,
-    normal_form,
     together,
     where_zero,
 )
@@ -93,7 +92,7 @@ class TwoAtOnce(OrbitLocusPoint):
         """The coefficients; of grazings the kind: both curves cross."""
         if self.label.startswith("GR"):
             return "interior", {}, None
-        return None, normal_form(problem, located, self.label), None
+        return super().form(problem, located, sample)
 
 
 class ResonantGrazing(TwoAtOnce):
