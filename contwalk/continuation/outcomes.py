@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.errors import ContwalkError
+from contwalk.errors import ContwalkError, StartError
 from contwalk.problems.problem import LimitType, PointType
 
 # What cannot be computed is said by these: it ends one point, one direction or one branch, never a run.
@@ -123,6 +123,8 @@ def broken(sentence: str, remedy: str) -> Outcome:
 
 def broken_by(error: ContwalkError | np.linalg.LinAlgError, what: str) -> Outcome:
     """The outcome of a branch that an error ended, and of what cannot be done for it."""
+    if isinstance(error, StartError):
+        return Outcome("failed", "no_convergence", f"{what}: {error}")
     if isinstance(error, ContwalkError):
         return broken(f"{what}: {error.sentence}", error.remedy)
     return broken(f"{what}: its equations are singular ({error}).", "Start elsewhere.")

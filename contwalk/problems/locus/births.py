@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import ContwalkError
+from contwalk.errors import ContwalkError, StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.equilibrium.points.hopf_to_orbit import from_hopf
+from contwalk.problems.hybrid.birth import eventful
 from contwalk.problems.locus.lines import whole_plane
 from contwalk.problems.locus.normal_forms import cubic_rate
 from contwalk.problems.locus.orbit_curves import CURVES
@@ -38,11 +39,21 @@ LEAST, MOST = 0.1, 6.0
 
 
 def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-    """The curve of folds of cycles that is born at a generalized Hopf point; none where none is found."""
-    if problem.system.acting:
-        return ()
+    """The curve of folds of cycles that is born at a generalized Hopf point.
+
+    Raises
+    ------
+    StartError
+        If none is found: there is one wherever l2 is not zero.
+    """
     z, l2 = np.array(point.unknowns), float(point.coefficients["l2"])
-    return _found_beside(problem, z, lambda beside, _: _fold(problem, beside, l2, z[-2:]))
+    found = _found_beside(problem, z, lambda beside, _: _fold(problem, beside, l2, z[-2:]))
+    if not found:
+        raise StartError(
+            "No fold of the cycles that begin beside this point was found.",
+            "Continue the cycles of a Hopf point beside it: the curve can be begun at a fold of theirs.",
+        )
+    return found
 
 
 def _found_beside(
@@ -111,8 +122,6 @@ def tori_of_cycles(problem: Any, z: np.ndarray, leaning: Sequence[float] = (0.0,
     with amplitude r and w it passes zero where w is of the size r^2. The cycles then are looked for on lines
     that are `leaning` towards the point, for across the curve w stands still (section 8.5).
     """
-    if problem.system.acting:
-        return ()
 
     def born(beside: np.ndarray, aside: float) -> Seed | None:
         each = (_torus(problem, beside, AMPLITUDE * aside**0.5, z[-2:], lean) for lean in leaning)
@@ -217,4 +226,4 @@ def _cycles(problem: Any, z: np.ndarray, kappa: float, rate: float) -> Seed:
         problem.system, values, "path", whole_plane(values, free), problem.pins, z[:n], problem.discretization
     )
     (seed,) = from_hopf(resting, record)
-    return seed
+    return eventful(seed) if problem.system.has_events else seed

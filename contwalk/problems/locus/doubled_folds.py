@@ -12,13 +12,26 @@ from collections.abc import Sequence
 from typing import Any
 
 from contwalk.branch import SpecialPoint
+from contwalk.errors import StartError
 from contwalk.problems.locus.doubled_orbits import DoubledOrbits, found_beside, root_of
 from contwalk.problems.problem import Seed
 
 
 def folds_of_doubled_orbits(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-    """The curve of folds that is born at a generalized period doubling; none where none is found."""
-    return found_beside(problem, point, _fold)
+    """The curve of folds that is born at a generalized period doubling.
+
+    Raises
+    ------
+    StartError
+        If none is found: there is one wherever e is not zero.
+    """
+    found = found_beside(problem, point, _fold)
+    if not found:
+        raise StartError(
+            "No fold of the doubled orbits beside this point was found.",
+            "Continue the orbits of a doubling beside it: the curve can be begun at a fold of theirs.",
+        )
+    return found
 
 
 def _fold(doubled: DoubledOrbits, r: float) -> Seed | None:
