@@ -42,7 +42,6 @@ from contwalk.problems.orbit.observing import split
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
-from contwalk.problems.orbit.section import Section
 from contwalk.problems.problem import Linearization, Located, Sample, Test
 
 # Multipliers whose difference has a smaller square meet, to rounding.
@@ -203,19 +202,6 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     def adapted(self, sample: Sample) -> tuple[Self, Sample]:
         """The problem on steps made for a solution, and the solution's sample on it."""
         return remesh.adapted(self, sample)
-
-    def adapted_to(
-        self,
-        z: np.ndarray,
-        weights: np.ndarray,
-        tolerance: float | None = None,
-        section: Section | None = None,
-    ) -> Self:
-        """The problem on steps for the orbit of z, as `remesh.adapted_to` has it, and raises `NotFinite`.
-
-        z and weights have the shape (N + 1,).
-        """
-        return remesh.adapted_to(self, z, weights, tolerance, section)
 
     # -- special points ----------------------------------------------------------------------------------
 

@@ -31,8 +31,7 @@ class LimitedOrbit(DiscretizedOrbit):
     _mesh: Mesh | None
     most_views = MOST_VIEWS
 
-    # The most steps of a leg, where they are known; how many segments of legs a stored branch has room for.
-    _most_steps: int | None = None
+    # How many segments of legs a stored branch has room for.
     room: int | None = None
 
     def explicit(self, z: np.ndarray) -> tuple[LimitedOrbit, np.ndarray]:
@@ -54,10 +53,21 @@ class LimitedOrbit(DiscretizedOrbit):
             for i, (given, segments) in enumerate(seen_of(self, z))
         )
 
-    @property
-    def guard_scales(self) -> np.ndarray:
-        """Units of the legs' guards, shape (m,)."""
-        return np.ones(self.layout.legs) if self.mesh.guards is None else self.mesh.guards
+    def largest_guards(self, z: np.ndarray) -> np.ndarray:
+        """Largest value of each leg's own guard on it, shape (m,); 1 where there is none.
+
+        z has the shape (N + 1,).
+        """
+        scales = np.ones(self.layout.legs)
+        for i, (leg, view) in enumerate(zip(self.itinerary.legs, self.view(z), strict=True)):
+            if leg.transition is None:
+                continue
+            if leg.collapsed:  # what is zero is its duration
+                scales[i] = self.mesh.total
+                continue
+            largest = float(np.abs(view.guard_values(leg.transition)).max())
+            scales[i] = largest if np.isfinite(largest) and largest > 0.0 else 1.0
+        return scales
 
     def pieces_of(self, z: np.ndarray, i: int) -> list[GuardedView]:
         """Leg i looked at, piece by piece where there are soft transitions on it.

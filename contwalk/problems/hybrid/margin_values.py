@@ -326,18 +326,3 @@ def _at_end(watch: _Watch) -> float:
     if watch.last_rate >= 0.0:
         return end if end > 0.0 else np.inf
     return end if end >= -watch.before(watch.samples, 1.0)[0] else np.inf
-
-
-def guard_scales(problem: LimitedOrbit, z: np.ndarray) -> np.ndarray:
-    """Largest value of each leg's own guard on it, shape (m,); 1 where there is none."""
-    scales = np.ones(problem.layout.legs)
-    for i, (leg, view) in enumerate(zip(problem.itinerary.legs, problem.view(z), strict=True)):
-        if leg.transition is None:
-            continue
-        if leg.collapsed:  # what is zero is its duration
-            scales[i] = problem.mesh.total
-            continue
-        found = view.guard_values(leg.transition)
-        largest = float(np.abs(found).max())
-        scales[i] = largest if np.isfinite(largest) and largest > 0.0 else 1.0
-    return scales

@@ -152,7 +152,7 @@ class SoftEquations(HybridOrbit):
         itinerary, states, lasting = softness.passed(self, z, self.magnitudes_of(weights))
         rough, begins = self.like(HybridOrbit, itinerary), float(self.starting_times(z)[0])
         asked = tolerance or self.discretization.walking
-        rough.section, rough._most_steps = self.section, most_steps(self._mesh, asked)
+        rough.section, rough.most_steps = self.section, most_steps(self._mesh, asked)
         unknowns = rough.assembled(states, lasting, z[self.layout.drifts], float(z[-1]), begins)
         explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), asked, section)
         grouping = Grouping(itinerary, rough.layout)

@@ -47,6 +47,7 @@ class DiscretizedOrbit(OrbitData):
 
     most_views: ClassVar[int] = MOST_KEPT
     layout: Any  # a `ClosureLayout`, or of legs a `Layout`
+    most_steps: int | None = None  # of a segment, where that is known
 
     def __init__(
         self,
@@ -276,6 +277,10 @@ class DiscretizedOrbit(OrbitData):
     def legs_viewed(self, z: np.ndarray) -> tuple[LegView, ...]:
         """The legs, each looked at. z has the shape (N + 1,)."""
         return tuple(LegView(*given) for given, _ in seen_of(self, z))
+
+    def largest_guards(self, z: np.ndarray) -> np.ndarray | None:
+        """Units of the legs' guards, shape (m,); None where there are no guards. z has the shape (N + 1,)."""
+        return None
 
     @property
     def events(self) -> list[tuple[int, Transition]]:

@@ -7,14 +7,13 @@ is an equation.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.problems.orbit.discretization import TIGHTEST
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.passage import Passage
 from contwalk.problems.orbit.repeating import repeating
 from contwalk.problems.orbit.shooting import AT_REST, CONSTANT, MOST_STEPS, Mesh, Run, growth_of, stepped
 
@@ -100,13 +99,14 @@ def meshed(
     )
 
 
-def runs_of_closure(
-    passage: Passage, starts: np.ndarray, scalars: np.ndarray, begins: np.ndarray
-) -> list[Run]:
-    """The segments of one leg in times of the closure: starts (m, n), scalars (k,), times (m,)."""
-    carried, bounds = starts.shape[1] + len(scalars), [*begins.tolist(), 1.0]
-    each = zip(starts, pairwise(bounds), strict=True)
-    return [Run(passage, x, scalars, carried, begin, end) for x, (begin, end) in each]
+def runs_of(orbit: DiscretizedOrbit, z: np.ndarray) -> list[Run]:
+    """The segments of the orbit of z, shape (N + 1,): in times of the closure, or each in its own."""
+    found = []
+    for segment in orbit.layout.segments:
+        x, scalars = orbit.layout.inputs_of(segment, z)
+        begin, end = (segment.begin, segment.end) if orbit.in_closure else (0.0, 1.0)
+        found.append(Run(orbit.passages[segment.leg], x, scalars, len(x) + len(scalars), begin, end))
+    return found
 
 
 def most_steps(mesh: Mesh | None, tolerance: float) -> int:

@@ -140,7 +140,7 @@ class OrbitData(Orbit):
     @property
     def guard_scales(self) -> np.ndarray:
         """Units of the legs' guards, shape (m,)."""
-        return np.ones(self.layout.legs)
+        return np.ones(self.layout.legs) if self.mesh.guards is None else self.mesh.guards
 
     @property
     def size(self) -> int:

@@ -25,6 +25,7 @@ from contwalk.problems.orbit import (
     motion,
     observing,
     rates,
+    remesh,
     reporting,
     scales,
 )
@@ -37,6 +38,7 @@ from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.orbit_section import into_section
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.return_map import ReturnMap
+from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
@@ -222,20 +224,32 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
 
     # -- discretisations ---------------------------------------------------------------------------------
 
+    def adapted_to(
+        self,
+        z: np.ndarray,
+        weights: np.ndarray,
+        tolerance: float | None = None,
+        section: Section | None = None,
+    ) -> Self:
+        """The problem on steps for the orbit of z, as `remesh.adapted_to` has it, and raises `NotFinite`.
+
+        z and weights have the shape (N + 1,).
+        """
+        return remesh.adapted_to(self, z, weights, tolerance, section)
+
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Self:
         """The problem discretised for a solution that is taken up again.
 
         z and weights have the shape (N + 1,).
         """
-        problem: Self = self.adapted_to(z, weights)
-        return problem
+        return self.adapted_to(z, weights)
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Self:
         """The same problem, section included, on steps for located points.
 
         z and weights have the shape (N + 1,).
         """
-        there: Self = self.adapted_to(z, weights, tolerance or self.discretization.marking)
+        there = self.adapted_to(z, weights, tolerance or self.discretization.marking)
         return there.varied(section=self.section)
 
     def finest(self, z: np.ndarray, weights: np.ndarray) -> Self:

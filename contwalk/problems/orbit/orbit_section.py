@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.problems.orbit import equations, monodromy
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.section import Reference, Section, reference_of, section_at
 from contwalk.problems.orbit.shooting import velocity
 
 # An orbit that would go a smaller part of its magnitudes in one closure is a point: it has no section.
@@ -57,6 +57,14 @@ def velocities(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     found = orbit.view(z)[0].rates_at(orbit.mesh.cuts, orbit.starts(z))
     found[~np.isfinite(found).all(axis=1)] = np.nan
     return found
+
+
+def own_reference(orbit: DiscretizedOrbit, z: np.ndarray) -> Reference:
+    """The orbit of z, shape (N + 1,), as the reference of the integral phase condition."""
+    (view,), begins = orbit.view(z), orbit.mesh.ends[:-1] + 1
+    every = view.nodes, view.rates_at(orbit.mesh.times, view.nodes)
+    points, rates = (np.split(x, begins) for x in every)
+    return reference_of(orbit.mesh.steps, points, rates, orbit.mesh.variation)
 
 
 def _begun_later(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:

@@ -8,24 +8,20 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from contwalk.flow import ErrorControl
 from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.kink import Kink
 from contwalk.problems.orbit import asymmetry, equations, monodromy, switching, termination
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
-from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
-from contwalk.problems.orbit.meshing import meshed, runs_of_closure
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
-from contwalk.problems.orbit.orbit_section import section_through, velocities
+from contwalk.problems.orbit.orbit_section import velocities
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
-from contwalk.problems.orbit.section import Reference, better_phase, reference_of
-from contwalk.problems.orbit.shooting import MOST_STEPS
+from contwalk.problems.orbit.section import better_phase
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.orbit.step_blocks import multipliers_of
 from contwalk.problems.orbit.transport import closed, moved, recut
@@ -108,13 +104,6 @@ class PeriodicOrbit(OrbitProblem):
         """
         return Factored(matrix, weights)
 
-    def _own_reference(self, z: np.ndarray) -> Reference:
-        """The orbit of z as the reference of the integral phase condition."""
-        (view,), begins = self.view(z), self.mesh.ends[:-1] + 1
-        every = view.nodes, view.rates_at(self.mesh.times, view.nodes)
-        points, rates = (np.split(x, begins) for x in every)
-        return reference_of(self.mesh.steps, points, rates, self.mesh.variation)
-
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
         neutral = len(self.pins) + len(self.system.conserved) + (0 if self.forced else 1)
@@ -170,7 +159,6 @@ class PeriodicOrbit(OrbitProblem):
         problem, sample = _recut(self, sample) if cut else (self, sample)
         if problem is self:  # what is cut anew stays on its own steps: on others it is no solution yet
             problem = self.adapted_to(sample.z, sample.weights)
-        problem.linearize(sample.z)  # is needed unless the orbit is cut anew, and passes all its states
         if not self.forced and problem.moves(sample.z):
             times, speeds = termination.speeds_of(problem, sample.z)
             lengths = np.concatenate([np.diff(steps) for steps in problem.mesh.steps])
@@ -186,34 +174,6 @@ class PeriodicOrbit(OrbitProblem):
         again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
         return problem, replace(again, orientation=orientation)
-
-    def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
-        """The problem with a section through x_0 and steps for the orbit of z.
-
-        z and weights have the shape (N + 1,).
-
-        Raises
-        ------
-        NotFinite
-            If the motion from z ends before the closure does.
-        """
-        own = self.fitting(z)
-        starts, values, magnitudes = own.starts(z), own.given(z), own.magnitudes_of(weights)
-        tolerance = tolerance or self.discretization.walking
-        runs = runs_of_closure(self.passages[0], starts, own.scalars(z), own.layout.begins)
-        control, method = (
-            ErrorControl(tolerance, magnitudes, MOST_STEPS),
-            self.discretization.integrator(tolerance),
-        )
-        mesh = meshed(runs, self.line.constants, control, method, self.parts, closure=True)
-        total = 1.0 if self.forced else abs(own.duration(z))
-        mesh = replace(mesh, total=total, reason=self.discretization.why(mesh.reason))
-        self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
-        problem = self.on(mesh, section_through(self, starts[0], values, magnitudes))
-        # An orbit that is a point still has no velocities to compare with: its section holds the phase.
-        integral = self.discretization.phase == "integral" and not self.forced and problem.moves(z)
-        problem.reference_orbit = problem._own_reference(z) if integral else None
-        return problem
 
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.flow import ErrorControl
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
 from contwalk.problems.neutral import generator_at
 from contwalk.problems.orbit import equations
 from contwalk.problems.orbit.closure import imaged, order_of
-from contwalk.problems.orbit.meshing import meshed, runs_of_closure
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+from contwalk.problems.orbit.remesh import mesh_for
 from contwalk.problems.orbit.section import section_at
-from contwalk.problems.orbit.shooting import MOST_STEPS
 from contwalk.problems.orbit.transport import segments_for, segments_of_growth
 from contwalk.problems.problem import Seed
 from contwalk.system.declarations import ParameterValues
@@ -48,21 +45,12 @@ def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequenc
         period /= closing[2]
     scalars = np.concatenate([[period], np.zeros(len(equilibrium.pins)), z[-1:]])
     section = section_at(x, (1j * omega * q).real, magnitudes)
-    tolerance = orbit.discretization.walking
-    method, control = (
-        orbit.discretization.integrator(tolerance),
-        ErrorControl(tolerance, magnitudes, MOST_STEPS),
-    )
 
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
-        runs = runs_of_closure(orbit.passages[0], np.tile(x, (m, 1)), scalars, np.arange(m) / m)
-        mesh = meshed(runs, orbit.line.constants, control, method, orbit.parts, closure=True)
-        mesh = replace(mesh, total=abs(period))
-        turns = np.exp(1j * omega * period * np.arange(m) / m)
-        problem, start = (
-            orbit.on(mesh, section),
-            orbit.layout.joined(np.tile(x, m), scalars, np.arange(m) / m),
-        )
+        start = orbit.layout.joined(np.tile(x, m), scalars, np.arange(m) / m)
+        fitting = orbit.fitting(start)
+        mesh = mesh_for(fitting, start, fitting.weighted(magnitudes), orbit.discretization.walking)
+        problem, turns = orbit.on(mesh, section), np.exp(1j * omega * period * np.arange(m) / m)
         tangent = orbit.layout.joined((q * turns[:, None]).real, np.zeros(len(scalars)))
         return problem, start, tangent - _along_pins(problem, start, tangent)
 
