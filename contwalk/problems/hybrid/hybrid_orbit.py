@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from contwalk.numerics.linear import Factored, Factorization
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import (
     condensed,
-    cutting,
     end_maps,
     jumping_limits,
     lasting,
@@ -24,7 +23,6 @@ from contwalk.problems.hybrid import (
     limits,
     limits_told,
     margin_values,
-    remesh,
     switching,
     undefined,
 )
@@ -36,6 +34,7 @@ from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.kink import Kink
 from contwalk.problems.orbit import equations, monodromy, reporting
+from contwalk.problems.orbit.cutting import room
 from contwalk.problems.orbit.itinerary import stored_leg
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.observing import split
@@ -143,7 +142,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
         return {
             "problem": self.kind,
             "observables": self.observable_names,
-            "unknowns": self.cut_into(cutting.room(self)).size,
+            "unknowns": self.cut_into(room(self)).size,
             "spectrum": max(self.spectrum_size, 1),
             "closure": self.whole[0],
             "signature": self.itinerary.signature(self.system),
@@ -155,7 +154,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
                 "image": self.itinerary.image,
                 "turns": self.turns.tolist(),
                 "reported": reporting.place(self),
-                "room": cutting.room(self),
+                "room": room(self),
             },
         }
 
@@ -198,10 +197,6 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start. z has the shape (N + 1,)."""
         return monodromy.flow_direction(*self.explicit(z), 0)
-
-    def adapted(self, sample: Sample) -> tuple[Self, Sample]:
-        """The problem on steps made for a solution, and the solution's sample on it."""
-        return remesh.adapted(self, sample)
 
     # -- special points ----------------------------------------------------------------------------------
 

@@ -31,9 +31,6 @@ class LimitedOrbit(DiscretizedOrbit):
     _mesh: Mesh | None
     most_views = MOST_VIEWS
 
-    # How many segments of legs a stored branch has room for.
-    room: int | None = None
-
     def explicit(self, z: np.ndarray) -> tuple[LimitedOrbit, np.ndarray]:
         """The orbit with a leg for every smooth piece, and its unknowns: itself, if none is condensed.
 

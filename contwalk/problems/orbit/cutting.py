@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, added_by_cuts
 from contwalk.problems.orbit.step_blocks import Steps, blocks, first_of_blocks, steps_of
 from contwalk.problems.orbit.stretching import stretched
 from contwalk.problems.orbit.transport import segments_for
@@ -22,6 +22,9 @@ from contwalk.problems.orbit.transport import segments_for
 GROWN = 1e3
 # Steps over which deviations grow by no more than this together are not parted.
 RESOLVED = 10.0
+# Segments of equal duration that a branch has room for: of a closure in its own time; of legs, and unknowns
+# with them, as rows of large machines would be nothing but room.
+ROOM, ROOM_OF_LEGS, UNKNOWNS_OF_LEGS = 8, 16, 400
 # Segments that a branch has room for, and unknowns with them: all its rows in the database are as long. A
 # branch of which nobody expects that it needs them has less.
 MOST_CUTS, MOST_UNKNOWNS = 160, 960
@@ -35,35 +38,55 @@ BETTER = 0.1
 APART = 1e-9
 
 
-def most_segments(orbit: DiscretizedOrbit, room: int) -> int:
-    """Segments that an orbit may be cut into along its branch; `room` if they are of equal duration."""
-    if not orbit.uneven:
-        return max(room, 2 * orbit.mesh.segments)
-    expected = orbit.discretization.scheme == "collocation"
-    cuts, unknowns = (MOST_CUTS, MOST_UNKNOWNS) if expected else (FEWER_CUTS, FEWER_UNKNOWNS)
-    return max(room, orbit.mesh.segments, min(cuts, unknowns // (orbit.states + 1)))
+def room(orbit: DiscretizedOrbit) -> int:
+    """Into how many segments legs may be cut along a branch. All its rows have one length."""
+    if not orbit.cuttable:
+        return orbit.cuts
+    if orbit.room is not None:
+        return max(orbit.room, orbit.cuts)
+    if orbit.uneven:
+        expected = orbit.discretization.scheme == "collocation"
+        cuts, unknowns = (MOST_CUTS, MOST_UNKNOWNS) if expected else (FEWER_CUTS, FEWER_UNKNOWNS)
+        return max(ROOM, orbit.cuts, min(cuts, unknowns // (orbit.states + 1)))
+    most, allowed = orbit.cuts, ROOM if orbit.in_closure else ROOM_OF_LEGS
+    bare, more = orbit.layout.rest.stop, added_by_cuts(orbit)
+    while 2 * most <= allowed and (orbit.in_closure or bare + (2 * most - 1) * more <= UNKNOWNS_OF_LEGS):
+        most *= 2
+    return most
 
 
-def recutting(orbit: DiscretizedOrbit, z: np.ndarray, room: int) -> np.ndarray | None:
-    """Times at which the segments of an orbit are to start instead, shape (m,); None where they are well."""
-    m = orbit.mesh.segments
+def halves(orbit: DiscretizedOrbit) -> np.ndarray | None:
+    """Times of each leg at which segments start, shape (m,), if they are halved; None where that is too
+    many.
+    """
+    m = 2 * orbit.cuts
+    return np.arange(m) / m if m <= room(orbit) else None
+
+
+def recutting(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
+    """Times of each leg at which segments are to start instead, shape (m,); None where they are well.
+
+    z has the shape (N + 1,).
+    """
+    m = orbit.cuts
     if not orbit.uneven:
-        return np.arange(2 * m) / (2 * m) if 2 * m <= max(room, m) and stretched(orbit, z) else None
+        found = halves(orbit)
+        return None if found is None or not stretched(orbit, z) else found
     if m == 1 and not stretched(orbit, z):
         return None
-    steps, most = steps_of(orbit, z), most_segments(orbit, room)
-    found = _cuts(steps, most)
+    steps = steps_of(orbit, z)
+    found = _cuts(steps, room(orbit))
     if m > TOO_MANY * len(found):
         return found
     grown = _most_grown(steps, orbit.mesh.cuts)
     return found if grown > TOO_GROWN and _most_grown(steps, found) < BETTER * grown else None
 
 
-def begun_at(orbit: DiscretizedOrbit, z: np.ndarray, room: int, begin: float) -> np.ndarray:
+def begun_at(orbit: DiscretizedOrbit, z: np.ndarray, begin: float) -> np.ndarray:
     """Times at which segments start, shape (m,), of the same orbit that begins later."""
     if not orbit.uneven or orbit.mesh.segments == 1:
         return orbit.mesh.cuts
-    return cuts_for(orbit, z, most_segments(orbit, room), begin)
+    return cuts_for(orbit, z, room(orbit), begin)
 
 
 def first_cuts(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
@@ -71,7 +94,7 @@ def first_cuts(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     m = segments_for(orbit, z)
     if m == 1 or not orbit.uneven or orbit.discretization.segments is not None:
         return np.arange(m) / m
-    return cuts_for(orbit, z, most_segments(orbit, 1))
+    return cuts_for(orbit, z, room(orbit))
 
 
 def cuts_for(orbit: DiscretizedOrbit, z: np.ndarray, most: int, begin: float = 0.0) -> np.ndarray:

@@ -47,6 +47,7 @@ class DiscretizedOrbit(OrbitData):
 
     most_views: ClassVar[int] = MOST_KEPT
     layout: Any  # a `ClosureLayout`, or of legs a `Layout`
+    room: int | None = None  # how many segments of legs a stored branch has room for
     most_steps: int | None = None  # of a segment, where that is known
 
     def __init__(
@@ -120,6 +121,10 @@ class DiscretizedOrbit(OrbitData):
     def cut_into(self, cuts: int) -> Self:
         """The same problem with so many segments in each leg; its steps are made anew: see `adapted_to`."""
         return self if cuts == self.cuts else self.varied(layout=self._laid_out(cuts))
+
+    def cut_at(self, times: np.ndarray) -> Self:
+        """As `cut_into`, with segments that start at given times of each leg, shape (m,)."""
+        return self.varied(layout=self._laid_out(len(times), times))
 
     @property
     def cuts(self) -> int:

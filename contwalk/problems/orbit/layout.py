@@ -93,6 +93,32 @@ class Positions(ABC):
         first = sum(self.cuts[:i])
         return self.segments[first : first + self.cuts[i]]
 
+    def filled(
+        self, other: Positions, vector: np.ndarray, states: Sequence[np.ndarray], inside: np.ndarray | float
+    ) -> np.ndarray:
+        """Unknowns, or something of each, in these segments, of a vector of the same legs in others.
+
+        Parameters
+        ----------
+        other : Positions
+        vector : ndarray, shape (N + 1,)
+            Of `other`.
+        states : sequence of ndarray, shape (n_i,)
+            What stands at the starts of all segments.
+        inside : ndarray or float
+            What stands in the place of times of cuts, where these are unknowns.
+        """
+        result = np.zeros(self.size + 1)
+        result[self.durations], result[self.drifts] = vector[other.durations], vector[other.drifts]
+        if self.start is not None:
+            result[self.start] = vector[other.start]
+        if self.times is not None:
+            result[self.inside] = inside
+        for segment, x in zip(self.segments, states, strict=True):
+            result[segment.states] = x
+        result[-1] = vector[-1]
+        return result
+
     @abstractmethod
     def inputs(self, i: int, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """As `inputs_of`, of a whole leg."""

@@ -224,6 +224,10 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
 
     # -- discretisations ---------------------------------------------------------------------------------
 
+    def adapted(self, sample: Sample) -> tuple[Self, Sample]:
+        """The problem on steps made for a solution, and the solution's sample on it."""
+        return remesh.adapted(self, sample)
+
     def adapted_to(
         self,
         z: np.ndarray,

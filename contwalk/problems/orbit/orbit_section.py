@@ -59,6 +59,18 @@ def velocities(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     return found
 
 
+def speeds_of(orbit: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Times 0..1 in the middle of the steps, and mean speeds over each, in units of the states' variation.
+
+    z has the shape (N + 1,), both results (s,).
+    """
+    times, states = orbit.mesh.times, orbit.view(z)[0].nodes
+    lengths = np.diff(times)
+    moves = lengths > 0.0  # at the end of a segment the next one begins
+    passed = np.linalg.norm(np.diff(states, axis=0)[moves] / orbit.mesh.variation, axis=1)
+    return 0.5 * (times[1:] + times[:-1])[moves], passed / lengths[moves]
+
+
 def own_reference(orbit: DiscretizedOrbit, z: np.ndarray) -> Reference:
     """The orbit of z, shape (N + 1,), as the reference of the integral phase condition."""
     (view,), begins = orbit.view(z), orbit.mesh.ends[:-1] + 1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -13,7 +12,7 @@ from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.kink import Kink
 from contwalk.problems.orbit import asymmetry, equations, monodromy, switching, termination
-from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
+from contwalk.problems.orbit.cutting import room
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
@@ -21,17 +20,12 @@ from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.orbit_section import velocities
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
-from contwalk.problems.orbit.section import better_phase
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.orbit.step_blocks import multipliers_of
-from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import Linearization, Sample
 from contwalk.system import System
-
-# Segments that a branch has room for, if it does not begin with more.
-ROOM = 8
 
 
 class PeriodicOrbit(OrbitProblem):
@@ -110,7 +104,7 @@ class PeriodicOrbit(OrbitProblem):
         return {
             "problem": self.kind,
             "observables": self.observable_names,
-            "unknowns": self.cut_into(most_segments(self, ROOM)).size,
+            "unknowns": self.cut_into(room(self)).size,
             "spectrum": max(self.states - neutral, 1),
             "closure": self.whole[0],
             "subharmonic": self.subharmonic,
@@ -148,33 +142,6 @@ class PeriodicOrbit(OrbitProblem):
             return multipliers_of(self, z, monodromy.becoming_of(self, z))
         return monodromy.spectrum(self, z, jacobian)
 
-    # -- discretisations ---------------------------------------------------------------------------------
-
-    def adapted(self, sample: Sample) -> tuple[PeriodicOrbit, Sample]:
-        """The problem with its section and steps renewed at a solution, and the solution's sample on it.
-
-        The tangent moves along the flow into the new section; the branch stays where it is.
-        """
-        cut = self.uneven and self.mesh.segments > 1
-        problem, sample = _recut(self, sample) if cut else (self, sample)
-        if problem is self:  # what is cut anew stays on its own steps: on others it is no solution yet
-            problem = self.adapted_to(sample.z, sample.weights)
-        if not self.forced and problem.moves(sample.z):
-            times, speeds = termination.speeds_of(problem, sample.z)
-            lengths = np.concatenate([np.diff(steps) for steps in problem.mesh.steps])
-            better = better_phase(times, speeds, lengths)
-            if better is not None:
-                cuts = begun_at(problem, sample.z, ROOM, better)
-                problem, sample = closed(*moved(problem, sample, better, cuts)) or (problem, sample)
-        if not cut:
-            problem, sample = _recut(problem, sample)
-        tangent = problem.into_section(sample.z, sample.tangent)
-        # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
-        there = problem.linearize(sample.z)
-        again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)
-        orientation = 0.0 if sample.orientation == 0.0 else again.orientation
-        return problem, replace(again, orientation=orientation)
-
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
         gradient = super().duration_gradient(z)
@@ -201,11 +168,3 @@ class PeriodicOrbit(OrbitProblem):
     def mirror(self, sample: Sample) -> OrbitMirror | None:
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
         return mirror_of(self, sample)
-
-
-def _recut(orbit: PeriodicOrbit, sample: Sample) -> tuple[PeriodicOrbit, Sample]:
-    """The same solution in other segments, where there should be others."""
-    cuts = recutting(orbit, sample.z, ROOM)
-    if cuts is None:
-        return orbit, sample
-    return closed(*recut(orbit, sample, cuts)) or (orbit, sample)

@@ -20,6 +20,7 @@ from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.problem import (
     Diagnosis,
     Equivalence,
+    Linearization,
     Located,
     Meshed,
     Observed,
@@ -107,6 +108,22 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
     @property
     def whole(self) -> tuple[str, int]:
         """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
+        ...
+
+    def examine(
+        self,
+        z: np.ndarray,
+        tangent: np.ndarray,
+        weights: np.ndarray,
+        linearization: Linearization,
+        before: int | None,
+        known: Sample | None = None,
+    ) -> Sample:
+        """Everything that is watched at a solution; of `known`, its sample on other steps, what does not
+        depend on these is taken over.
+
+        z, tangent and weights have the shape (N + 1,).
+        """
         ...
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:

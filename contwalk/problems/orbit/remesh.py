@@ -1,4 +1,4 @@
-"""An orbit discretised anew: steps made for it, and its section."""
+"""An orbit discretised anew: steps made for it, its section, its segments, and its sample on them."""
 
 from __future__ import annotations
 
@@ -8,12 +8,19 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
+from contwalk.problems.orbit.cutting import begun_at, halves, recutting
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.discretized_orbit import Kind
 from contwalk.problems.orbit.meshing import meshed, most_steps, runs_of
-from contwalk.problems.orbit.orbit_section import own_reference, section_through
-from contwalk.problems.orbit.section import Section
+from contwalk.problems.orbit.orbit_section import own_reference, section_through, speeds_of
+from contwalk.problems.orbit.section import Section, better_phase
 from contwalk.problems.orbit.shooting import Mesh
+from contwalk.problems.orbit.solving import newton_on
+from contwalk.problems.orbit.transport import closed, moved, recut
+from contwalk.problems.sample import Sample
+
+# Residuals so many times above their level are no solution's.
+MISSED = 3e4
 
 
 def adapted_to(
@@ -75,3 +82,67 @@ def _total(orbit: Kind, z: np.ndarray) -> float:
     if orbit.in_closure and orbit.forced:  # none is unknown
         return 1.0
     return abs(orbit.duration(z)) or (1.0 if orbit._mesh is None else orbit._mesh.total)
+
+
+def adapted(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
+    """The problem with its section, steps and segments made anew at a solution, and its sample on it.
+
+    The tangent moves along the flow into the new section; the branch stays where it is. What was a solution
+    on the steps of the last orbit may be none on these, as where a leg passes a saddle: it is then corrected.
+    At a branch point it stays on its own steps, where it is one: the equations tell neither where the point
+    is nor which way the branch goes.
+    """
+    problem, born, first = orbit, sample.orientation == 0.0, orbit.uneven and orbit.cuts > 1
+    if first:  # what is cut anew stays on its own steps: on others it is no solution yet
+        problem, sample = _recut(orbit, sample, recutting(orbit, sample.z))
+    if problem is orbit:
+        try:
+            problem = orbit.adapted_to(sample.z, sample.weights)
+        except NotFinite:  # on other steps a segment's own start no longer leads to its end
+            if born:
+                return orbit, sample
+            problem, sample = _recut(orbit, sample, halves(orbit))
+            if problem is orbit:
+                raise
+            return problem, sample
+        if problem.linearize(sample.z).excess_in(sample.weights) > MISSED:
+            return (orbit, sample) if born else _corrected(problem, sample)
+    problem, sample = _begun_better(problem, sample)
+    if not first:
+        problem, sample = _recut(problem, sample, recutting(problem, sample.z))
+    tangent = problem.into_section(sample.z, sample.tangent)
+    # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
+    there = problem.linearize(sample.z)
+    again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)
+    return problem, replace(again, orientation=0.0 if born else again.orientation)
+
+
+def _recut(orbit: Kind, sample: Sample, cuts: np.ndarray | None) -> tuple[Kind, Sample]:
+    """The same solution in other segments, (m,) in each leg; as it is where that does not converge."""
+    if cuts is None:
+        return orbit, sample
+    try:
+        return closed(*recut(orbit, sample, cuts)) or (orbit, sample)
+    except (NotFinite, np.linalg.LinAlgError):
+        return orbit, sample
+
+
+def _begun_better(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
+    """The same solution, begun where its section is well, if the phase is free: see `section`."""
+    if not orbit.in_closure or orbit.forced or not orbit.moves(sample.z):
+        return orbit, sample
+    times, speeds = speeds_of(orbit, sample.z)
+    begin = better_phase(times, speeds, np.concatenate([np.diff(steps) for steps in orbit.mesh.steps]))
+    if begin is None:
+        return orbit, sample
+    return closed(*moved(orbit, sample, begin, begun_at(orbit, sample.z, begin))) or (orbit, sample)
+
+
+def _corrected(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
+    """A solution of other steps corrected on these, and steps made for what it has become."""
+    normal = sample.tangent / sample.weights**2
+    z = newton_on(orbit, sample.z, sample.weights, normal)
+    problem = orbit.adapted_to(z, sample.weights)
+    there = problem.linearize(z)
+    again = problem.examine(z, there.tangent(normal, sample.weights), sample.weights, there, sample.unstable)
+    return problem, replace(again, iterations=sample.iterations)

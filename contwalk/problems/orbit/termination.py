@@ -90,18 +90,6 @@ def _extent(problem: DiscretizedOrbit, sample: Sample) -> float:
     ) * np.sqrt(problem.mesh.segments)
 
 
-def speeds_of(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times 0..1 in the middle of the steps, and mean speeds over each, in units of the states' variation.
-
-    z has the shape (N + 1,), both results (s,).
-    """
-    times, states = problem.mesh.times, problem.view(z)[0].nodes
-    lengths = np.diff(times)
-    moves = lengths > 0.0  # at the end of a segment the next one begins
-    passed = np.linalg.norm(np.diff(states, axis=0)[moves] / problem.mesh.variation, axis=1)
-    return 0.5 * (times[1:] + times[:-1])[moves], passed / lengths[moves]
-
-
 def returned_to_parent(problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
     """Whether an orbit has become its parent: it repeats itself, or is its own image, and those beside it
     on its branch do not.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
@@ -12,10 +13,10 @@ from contwalk import flow
 from contwalk.numerics.distinct import distinct
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, Kind
-from contwalk.problems.orbit.lifts import PLAIN, TANGENT
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.orbit_section import section_through
-from contwalk.problems.orbit.shooting import Mesh, arrived
+from contwalk.problems.orbit.shooting import Mesh
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
 
@@ -39,55 +40,38 @@ STEEP = 0.1
 def carried_to(
     problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """State and tangent of the orbit at a time in 0..1 of the closure, each of shape (n,)."""
-    n, cuts = problem.states, problem.mesh.cuts
-    segment = int(np.searchsorted(cuts, time, side="right")) - 1
-    begin = float(cuts[segment])
-    x, v = problem.starts(z)[segment], tangent[segment * n : (segment + 1) * n]
-    if time - begin < 1e-12:
-        return x.copy(), v.copy()
-    mesh = problem.mesh
-    values = problem.given(z)
-    if not np.any(tangent):
-        field, y, weights = problem.passages[0].field(PLAIN), x, mesh.variation
-    else:
-        field, y = problem.passages[0].field(TANGENT), np.concatenate([x, v])
-        values = np.concatenate([values, tangent[problem.layout.scalars]])
-        size = max(float(np.linalg.norm(v / mesh.variation)), 1e-12)
-        weights = np.concatenate([mesh.variation, size * mesh.variation])
-    path = arrived(
-        flow.adaptive(field, field.constants(values), begin, y, time, mesh.tolerance, weights, mesh.method)
-    )
-    end = path.states[-1]
-    return end[:n].copy(), end[n:].copy() if len(end) > n else np.zeros(n)
+    """State and tangent of an orbit of one leg at a time of it, 0..1, each of shape (n,)."""
+    return passed_at(problem, z, tangent, 0, np.array([time]))[0]
 
 
 def passed_at(
-    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, times: np.ndarray
+    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, leg: int, times: np.ndarray
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """States and tangents of the orbit at times in 0..1 of the closure, each of shape (n,).
+    """States and tangents of an orbit at times of a leg, 0..1, each of shape (n_i,), before what ends it.
 
-    Where cuts are chosen they are those of the orbit's own steps: where deviations grow, others lead
+    They are those of the orbit's own steps, and of a part of one: where deviations grow, others lead
     elsewhere.
     """
-    if not problem.uneven:
-        return [carried_to(problem, z, tangent, float(time)) for time in times]
-    mesh, n, scalars = problem.mesh, problem.states, problem.scalars(z)
-    driven = tangent[problem.layout.scalars]
-    field, c = problem.passages[0].field(PLAIN), problem.passages[0].field(PLAIN).constants(problem.given(z))
-    sources = np.arange(-n, len(scalars))
-    sources[:n] = -1
-    found = []
+    layout, found = problem.layout, []
+    places, first = layout.segments_of(leg), sum(layout.cuts[:leg])
+    begins = np.array([segment.begin for segment in places])
     for time in times:
-        i = int(np.searchsorted(mesh.cuts, time + AT_STEP, side="right")) - 1
-        steps = mesh.steps[i]
-        node = min(int(np.searchsorted(steps, time + AT_STEP, side="right")) - 1, len(steps) - 2)
-        until = np.append(steps[: node + 1], time) if time > steps[node] + AT_STEP else steps[: node + 1]
-        x, moved = problem.starts(z)[i], np.eye(n, n + len(scalars))
+        j = int(np.searchsorted(begins, time + AT_STEP, side="right")) - 1
+        segment, piece = places[j], problem.segments[first + j]
+        x, scalars = layout.inputs_of(segment, z)
+        v, driven = layout.inputs_of(segment, tangent)
+        until = _steps_until(piece.steps, float(layout.inside_of(segment, np.array([time]))[0]))
         if len(until) > 1:
-            x, moved = flow.tangents(field, c, until, x, moved, sources, mesh.method)
-        found.append((x.copy(), moved @ np.append(tangent[i * n : (i + 1) * n], driven)))
+            end, moved = replace(piece, steps=until).before_differentiated(PLAIN, x, scalars)
+            x, v = end, moved @ np.append(v, driven)
+        found.append((x.copy(), v.copy()))
     return found
+
+
+def _steps_until(steps: np.ndarray, time: float) -> np.ndarray:
+    """The steps of a segment up to a time, at which a last one ends."""
+    node = min(int(np.searchsorted(steps, time + AT_STEP, side="right")) - 1, len(steps) - 2)
+    return np.append(steps[: node + 1], time) if time > steps[node] + AT_STEP else steps[: node + 1]
 
 
 def growth(problem: DiscretizedOrbit, z: np.ndarray, times: int = 1) -> float:
@@ -144,8 +128,8 @@ def segments_of_growth(exponent: float) -> int:
 
 
 def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample]:
-    """The same solution in segments that start at other times, its tangent and the sign of its Jacobian with
-    it.
+    """The same solution in segments that start at other times of each leg, its tangent and the sign of its
+    Jacobian with it.
 
     Where cuts are chosen it stays on its own steps: where deviations grow, others lead elsewhere.
 
@@ -154,20 +138,16 @@ def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample
     own = problem.uneven and problem.reference_orbit is None
     mesh = problem.mesh.divided(cuts) if own else None
     cuts = cuts if mesh is None else mesh.cuts
-    n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.layout.scalars
-    starts, tangents = zip(*passed_at(problem, z, sample.tangent, cuts), strict=True)
-    there = problem.layout.joined(np.array(starts), z[scalars], cuts)
-    tangent = problem.layout.joined(np.array(tangents), sample.tangent[scalars])
-    # Each state's share of the metric stays what it is: the squares of m segments add up.
-    states = sample.weights[:n] * np.sqrt(len(cuts) / m)
-    weights = problem.layout.joined(np.tile(states, len(cuts)), sample.weights[scalars], 1.0)
-    finer = _remeshed(problem, there, weights, mesh)
-    tangent = finer.into_section(there, tangent)
-    return finer, _examined(finer, there, tangent, weights, sample)
+    passed = [
+        passed_at(problem, sample.z, sample.tangent, i, cuts[:1] if leg.collapsed else cuts)
+        for i, leg in enumerate(problem.itinerary.legs)
+    ]
+    return _in_segments(problem, sample, [each for leg in passed for each in leg], cuts, mesh)
 
 
 def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple[Kind, Sample]:
-    """The same solution, beginning at another time in 0..1 of its closure; `cuts` count from there.
+    """The same solution of one leg, beginning at another time in 0..1 of its closure; `cuts` count from
+    there.
 
     `cuts` have the shape (m,).
     """
@@ -176,24 +156,37 @@ def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple
         mesh, time = problem.mesh.begun(time)
         mesh = mesh.divided(cuts)
         cuts = mesh.cuts
-    n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.layout.scalars
-    p = ParameterValues(**problem.values_of(z))
-    starts, tangents, instants = [], [], time + cuts
-    passed = passed_at(problem, z, sample.tangent, instants - np.floor(instants))
-    for when, (x, v) in zip(instants, passed, strict=True):
-        if when >= 1.0:
-            x, v = following(problem, x, v, p)
-        starts.append(x)
-        tangents.append(v)
-    there = problem.layout.joined(np.array(starts), z[scalars], cuts)
-    tangent = problem.layout.joined(np.array(tangents), sample.tangent[scalars])
-    weights = sample.weights
-    if len(cuts) != m:
-        states = weights[:n] * np.sqrt(len(cuts) / m)
-        weights = problem.layout.joined(np.tile(states, len(cuts)), weights[scalars], 1.0)
-    begun = _remeshed(problem, there, weights, mesh)
-    tangent = begun.into_section(there, tangent)
-    return begun, _examined(begun, there, tangent, weights, sample)
+    p, instants = ParameterValues(**problem.values_of(sample.z)), time + cuts
+    passed = passed_at(problem, sample.z, sample.tangent, 0, instants - np.floor(instants))
+    later = [
+        following(problem, *each, p) if when >= 1.0 else each
+        for when, each in zip(instants, passed, strict=True)
+    ]
+    return _in_segments(problem, sample, later, cuts, mesh)
+
+
+def _in_segments(
+    problem: Kind,
+    sample: Sample,
+    passed: Sequence[tuple[np.ndarray, np.ndarray]],
+    cuts: np.ndarray,
+    mesh: Mesh | None,
+) -> tuple[Kind, Sample]:
+    """The solution whose segments start with such states and tangents at times of each leg, shape (m,)."""
+    other, before = problem.cut_at(cuts), problem.layout
+    layout = other.layout
+    z = layout.filled(before, sample.z, [x for x, _ in passed], cuts[1:])
+    tangent = layout.filled(before, sample.tangent, [v for _, v in passed], 0.0)
+    # Each state's share of the metric stays what it is: the squares of all segments add up.
+    share = np.sqrt(len(layout.segments) / len(before.segments))
+    own = [share * sample.weights[before.states[segment.leg]] for segment in layout.segments]
+    weights = layout.filled(before, sample.weights, own, 1.0)
+    if mesh is None:  # made for the orbit
+        other = other.adapted_to(z, weights)
+    else:
+        section = section_through(problem, z[layout.states[0]], other.given(z), mesh.magnitudes)
+        other = problem.on(mesh, section)
+    return other, _examined(other, z, other.into_section(z, tangent), weights, sample)
 
 
 def _examined(
@@ -206,15 +199,6 @@ def _examined(
     again = problem.examine(z, tangent, weights, problem.linearize(z), sample.unstable)
     orientation = 0.0 if sample.orientation == 0.0 else again.orientation
     return replace(again, iterations=sample.iterations, orientation=orientation)
-
-
-def _remeshed(problem: Kind, z: np.ndarray, weights: np.ndarray, mesh: Mesh | None) -> Kind:
-    """The problem on a mesh, or else on one made for the orbit of z, with a section through its start."""
-    if mesh is None:
-        made: Kind = problem.adapted_to(z, weights)
-        return made
-    values = problem.fitting(z).given(z)
-    return problem.on(mesh, section_through(problem, z[: problem.states], values, mesh.magnitudes))
 
 
 def closed(problem: AnyOrbit, rough: Sample) -> tuple[AnyOrbit, Sample] | None:

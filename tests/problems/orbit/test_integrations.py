@@ -9,7 +9,7 @@ from small_systems import small_system
 import contwalk as cw
 from contwalk import flow
 from contwalk.problems.initial.orbit_from_state import orbit_at
-from contwalk.problems.orbit import termination
+from contwalk.problems.orbit import orbit_section
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Observable
 
@@ -61,7 +61,7 @@ def test_a_motion_is_integrated_once_with_derivatives_and_once_densely(integrate
     assert problem.observables(z, found)[0] == pytest.approx(1.0, abs=1e-6)
     assert problem.reported(z)[1] == pytest.approx(0.5, abs=1e-6)
     assert problem.slow_places(z)[0].slowness == pytest.approx(1.0, abs=1e-3)
-    assert len(termination.speeds_of(problem, z)[0]) == len(problem.mesh.times) - segments
+    assert len(orbit_section.speeds_of(problem, z)[0]) == len(problem.mesh.times) - segments
     assert problem.first_passed(z, [np.array([0.0, 1.0])]) == 0
     assert integrated == ["along_with_tangents", "interpolation"]
 
