@@ -25,7 +25,7 @@ for library in ("OPENBLAS", "MKL", "OMP"):  # as the command line does
 import numpy as np  # noqa: E402
 
 from contwalk.numerics.linear import Factored  # noqa: E402
-from contwalk.problems.hybrid.condensed import factored  # noqa: E402
+from contwalk.problems.orbit.condensed import factored  # noqa: E402
 from contwalk.problems.orbit.layout import Layout  # noqa: E402
 from contwalk.problems.orbit.null_vectors import critical_vectors  # noqa: E402
 

@@ -85,7 +85,7 @@ PARTS = (
         modules=[
             "numpy.linalg",
             *("contwalk.numerics.linear", "contwalk.problems.orbit.null_vectors"),
-            *("contwalk.problems.hybrid.condensed", "contwalk.problems.hybrid.elimination"),
+            *("contwalk.problems.orbit.condensed", "contwalk.problems.orbit.elimination"),
         ],
     ),
     Part("margins", ["contwalk.problems.hybrid.limits:margins"]),

@@ -34,7 +34,7 @@ def warm() -> tuple[list[Warmed], Path]:
     from contwalk.flow.gauss import gauss_collocation as gauss
     from contwalk.flow.hybrid import event_integrator
     from contwalk.flow.radau import radau_iia as radau
-    from contwalk.problems.hybrid import condensed
+    from contwalk.problems.orbit import condensed
 
     parts: dict[str, Callable[[], None]] = {
         "explicit methods (dop853, verner98)": explicit.warmup,

@@ -188,7 +188,7 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     }
     for name, part in parts.items():
         monkeypatch.setattr(f"contwalk.flow.{name}.warmup", part)
-    monkeypatch.setattr("contwalk.problems.hybrid.condensed.warmup", nothing)
+    monkeypatch.setattr("contwalk.problems.orbit.condensed.warmup", nothing)
     done = contwalk("warmup")
     assert done.code == 0
     lines = done.out.splitlines()

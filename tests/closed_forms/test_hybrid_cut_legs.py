@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from hybrid_runs import assert_met, branch_of, diagram, machine, solution
 
-from contwalk.problems.hybrid import condensed, cutting, limit_rows
+from contwalk.problems.hybrid import cutting, limit_rows
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.switching import rotated
-from contwalk.problems.orbit import monodromy, variations
+from contwalk.problems.orbit import condensed, monodromy, variations
 from contwalk.system import System, Transition
 
 pytestmark = pytest.mark.slow

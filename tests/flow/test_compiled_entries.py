@@ -19,7 +19,7 @@ from contwalk.flow.hybrid.event_records import ModeRecord
 from contwalk.flow.radau.radau_call import RadauCall
 from contwalk.flow.radau.radau_iia import _ADAPTIVE, _TANGENTS
 from contwalk.module_texts import modules_behind
-from contwalk.problems.hybrid.condensed import ELIMINATE
+from contwalk.problems.orbit.condensed import ELIMINATE
 
 ENTRIES = (INTEGRATE, ADAPTIVE, INTERPOLATE, _ADAPTIVE, _TANGENTS, _BATCH, EACH, ELIMINATE)
 

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.memory import of_unowned, unowned
-from contwalk.numerics.linear import Factored, Factorization
-from contwalk.problems import neutral as neutrals
+from contwalk.memory import of_unowned
 from contwalk.problems.hybrid import (
-    condensed,
     end_maps,
     jumping_limits,
     lasting,
@@ -33,15 +29,13 @@ from contwalk.problems.hybrid.limited_orbit import MOST_VIEWS, LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.kink import Kink
-from contwalk.problems.orbit import equations, monodromy, reporting
-from contwalk.problems.orbit.cutting import room
-from contwalk.problems.orbit.itinerary import stored_leg
+from contwalk.problems.linearization import Fitted
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.observing import split
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
-from contwalk.problems.problem import Linearization, Located, Sample, Test
+from contwalk.problems.problem import Located, Sample, Test
 
 # Multipliers whose difference has a smaller square meet, to rounding.
 MEET = 1e-12
@@ -95,68 +89,10 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
         """Values of all limits at a solution. z has the shape (N + 1,)."""
         return self.known.at("margins", z, MOST_VIEWS, lambda: margin_values.margins(self, z))
 
-    # -- equations ---------------------------------------------------------------------------------------
-
-    def _linearized(self, z: np.ndarray) -> Linearization:
-        residual, jacobian, nodes = equations.with_derivatives(self, z)
-        self.known.at("nodes", z, self.most_kept, lambda: nodes)
-        levels, magnitudes = of_unowned(equations.levels, self), unowned(self.magnitudes_near)
-        nearby = unowned(self.residual)
-        found = Linearization(
-            residual,
-            jacobian,
-            lambda: (levels(z, jacobian), None),
-            lambda: magnitudes(z),
-            self._factored,
-            lambda: nearby,
-            of_unowned(lasting.fitted, self),
-        )
-        found.dear = equations.dear(self)
-        return found
-
-    def residual(self, z: np.ndarray) -> np.ndarray:
-        """F(z), shape (N,), for far less than with its derivatives."""
-        return equations.residual(self, z)
-
     @property
-    def cost(self) -> int:
-        """Right-hand sides of one pass with derivatives, each column counted as one."""
-        return equations.cost(self)
-
-    def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
-        """A matrix of these equations and unknowns, and of borders that come last, factored.
-
-        The matrix has the shape (m, m), the weights (m,).
-        """
-        return self._factored(matrix, weights)
-
-    @property
-    def _factored(self) -> Callable[[np.ndarray, np.ndarray], Factorization]:
-        # An equation of the phase is one of the first leg's start: the chain has no place for it.
-        return partial(condensed.factored, self.layout) if self.itinerary.eventful else Factored
-
-    # -- stored with a branch ----------------------------------------------------------------------------
-
-    def branch_facts(self) -> dict[str, Any]:
-        """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
-        return {
-            "problem": self.kind,
-            "observables": self.observable_names,
-            "unknowns": self.cut_into(room(self)).size,
-            "spectrum": max(self.spectrum_size, 1),
-            "closure": self.whole[0],
-            "signature": self.itinerary.signature(self.system),
-            "subharmonic": self.subharmonic,
-            "settings": {
-                **neutrals.kept(self.pins, self.line, self.states),
-                "legs": [stored_leg(leg) for leg in self.itinerary.legs],
-                "fold": self.whole[1],
-                "image": self.itinerary.image,
-                "turns": self.turns.tolist(),
-                "reported": reporting.place(self),
-                "room": room(self),
-            },
-        }
+    def fitted(self) -> Fitted:
+        """What solves for durations of legs that are hard to guess."""
+        return of_unowned(lasting.fitted, self)
 
     def admissible_at(self, z: np.ndarray) -> bool:
         """Whether a solution is one that the machine can move on. z has the shape (N + 1,)."""
@@ -178,9 +114,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
         margins = self.margins(z)
         undefined.refuse_guards(self, z, margins)
         return {
-            "observables": self.observables(z, found) if known is None else known.observables,
             "margins": margins.relative,
-            "reported": self.reported(z) if known is None else known.reported,
             # What the orbit itself is not known to, its multipliers are not either.
             "spectrum_error": max(found.accuracy, error),
             "spectrum_accuracy": found.accuracy,
@@ -193,10 +127,6 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
         z has the shape (N + 1,).
         """
         return *end_maps.lying(self, z), *jumping_limits.along(self, z), *undefined.conditions(self, z)
-
-    def velocity(self, z: np.ndarray) -> np.ndarray:
-        """dx/dt at the start. z has the shape (N + 1,)."""
-        return monodromy.flow_direction(*self.explicit(z), 0)
 
     # -- special points ----------------------------------------------------------------------------------
 

@@ -81,10 +81,6 @@ class LimitedOrbit(DiscretizedOrbit):
         """All that must stay positive for an orbit to be the machine's."""
 
     @abstractmethod
-    def residual(self, z: np.ndarray) -> np.ndarray:
-        """F(z), shape (N,), for far less than with its derivatives."""
-
-    @abstractmethod
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution. z has the shape (N + 1,)."""
 

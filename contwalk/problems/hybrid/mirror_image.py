@@ -138,7 +138,7 @@ class HybridMirror(MirrorOfOrbits[LimitedOrbit]):
     ) -> tuple[Sample, dict[str, Any]]:
         sample = own.examine(image, moved, metric, own.linearize(image), int(row["unstable"]))
         told = {
-            "state": sample.reported,
+            "state": own.reported(image),
             "observables": [*sample.observables[:-1], row["observables"][-1]],
             "admissible": sample.admissible,
         }

@@ -41,6 +41,8 @@ def with_derivatives(orbit: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.nd
     z has the shape (N + 1,), F (N,), DF (N, N + 1), states (s, n_i).
     """
     layout, nodes = orbit.layout, []
+    if orbit.forced and layout.sum is None:
+        period_of(orbit, z)  # asked first: without a period there is no motion to tell of
     residual, jacobian = np.zeros(orbit.size), np.zeros((orbit.size, orbit.size + 1))
     for segment, (along, end, moved) in zip(layout.segments, orbit.passes(z), strict=True):
         nodes.append(along)

@@ -135,8 +135,11 @@ def flow_direction(orbit: OrbitData, z: np.ndarray, i: int, j: int = 0) -> np.nd
 
     def made() -> np.ndarray:
         x, scalars = orbit.layout.inputs_of(orbit.layout.segments_of(i)[j], z)
-        duration = scalars[0] if scalars[0] != 0.0 else 1.0
-        given = np.concatenate([[duration], scalars[1:], orbit.line.constants])
+        scalars, unknown = scalars.copy(), not (orbit.in_closure and orbit.forced)
+        if unknown:
+            scalars[0] = scalars[0] or 1.0
+        duration = scalars[0] if unknown else orbit.duration(z)
+        given = np.concatenate([scalars, orbit.line.constants])
         own = velocity(orbit.passages[i], x, 0.0, given) / duration
         own = np.append(own, 1.0) if orbit.timed(i) else own
         own.flags.writeable = False

@@ -202,12 +202,6 @@ class OrbitData(Orbit):
         left_out = len(self.pins) + len(self.system.conserved)
         return self.layout.sizes[self.smallest] - 1 + int(self.forced) - left_out
 
-    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
-        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
-        gradient = np.zeros(len(z))
-        gradient[self.layout.durations] = 1.0
-        return gradient
-
     def moves(self, z: np.ndarray) -> bool:
         """Whether the orbit of z is more than a point; of a forced system it may be one.
 

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, Protocol, Self
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.numerics.linear import unit_in
+from contwalk.memory import of_unowned, unowned
+from contwalk.numerics.linear import Factored, Factorization, unit_in
 from contwalk.problems.capabilities import OwnMeasures, OwnMesh
-from contwalk.problems.kink import refuse
+from contwalk.problems.kink import Kink, refuse
+from contwalk.problems.linearization import Fitted
 from contwalk.problems.orbit import (
     augmented,
     branching,
+    condensed,
     describing,
     equations,
     equivalence,
+    facts,
     metric,
     monodromy,
     motion,
@@ -40,6 +45,7 @@ from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
+from contwalk.problems.orbit.step_blocks import multipliers_of
 from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 
@@ -85,9 +91,49 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
         """The equations at z. z has the shape (N + 1,)."""
         return self.known.at("linearization", z, self.most_kept, lambda: self._linearized(z))
 
-    @abstractmethod
     def _linearized(self, z: np.ndarray) -> Linearization:
         """The equations at z, computed."""
+        residual, jacobian, nodes = equations.with_derivatives(self, z)
+        self.known.at("nodes", z, self.most_kept, lambda: nodes)
+        levels, magnitudes = of_unowned(equations.levels, self), unowned(self.magnitudes_near)
+        nearby = unowned(self.residual)
+        found = Linearization(
+            residual,
+            jacobian,
+            lambda: (levels(z, jacobian), None),
+            lambda: magnitudes(z),
+            self._factored,
+            None if self.in_closure else lambda: nearby,
+            self.fitted,
+        )
+        found.dear = equations.dear(self)
+        return found
+
+    def residual(self, z: np.ndarray) -> np.ndarray:
+        """F(z), shape (N,), for far less than with its derivatives."""
+        return equations.residual(self, z)
+
+    @property
+    def fitted(self) -> Fitted | None:
+        """What solves for unknowns that are hard to guess, as durations of legs that end with events."""
+        return None
+
+    @property
+    def cost(self) -> int:
+        """Right-hand sides of one pass with derivatives, each column counted as one."""
+        return equations.cost(self)
+
+    def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
+        """A matrix of these equations and unknowns, and of borders that come last, factored.
+
+        The matrix has the shape (m, m), the weights (m,).
+        """
+        return self._factored(matrix, weights)
+
+    @property
+    def _factored(self) -> Callable[[np.ndarray, np.ndarray], Factorization]:
+        # An equation of the phase is one of the first leg's start: the chain has no place for it.
+        return partial(condensed.factored, self.layout) if self.itinerary.eventful else Factored
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""
@@ -111,13 +157,34 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
 
         z has the shape (N + 1,), the jacobian (N, N + 1).
         """
+        if self.uneven and self.mesh.segments > 1:
+            return multipliers_of(self, z, monodromy.becoming_of(self, z))
         return monodromy.spectrum(self, z, jacobian)
 
     def return_map(self, z: np.ndarray) -> SectionMap:
         """The map that takes a section once round the orbit, for normal forms. z has the shape (N + 1,)."""
         return ReturnMap(self, z)
 
+    def velocity(self, z: np.ndarray) -> np.ndarray:
+        """dx/dt at the start. z has the shape (N + 1,)."""
+        return monodromy.flow_direction(*self.explicit(z), 0)
+
+    def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
+        """Kinks of guards, resets and conditions, where there are any. z has the shape (N + 1,)."""
+        return ()
+
     # -- along a branch ----------------------------------------------------------------------------------
+
+    def branch_facts(self) -> dict[str, Any]:
+        """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
+        return facts.branch_facts(self, self.observable_names)
+
+    def admissible_at(self, z: np.ndarray) -> bool:
+        """Whether a solution is one that the machine can move on: without limits, all are.
+
+        z has the shape (N + 1,).
+        """
+        return True
 
     def examine(
         self,
@@ -153,6 +220,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
         # The flow's own multiplier is one exactly: what it misses by, the others may.
         accurate = replace(found, accuracy=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial))))
         told: dict[str, Any] = {"spectrum_error": accurate.accuracy}
+        told |= self._watched(z, accurate, error, known)
         return Sample(
             z=z,
             tangent=unit,
@@ -172,7 +240,8 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
             period=self.duration(z),
             trivial_error=trivial,
             kinks=met,
-            **(told | self._watched(z, accurate, error, known)),
+            observables=self.observables(z, accurate) if known is None else known.observables,
+            **told,
         )
 
     @abstractmethod

@@ -226,6 +226,14 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """Duration of the closure, seconds. z has the shape (N + 1,)."""
         ...
 
+    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of that by unknowns and free parameter, shape (N + 1,)."""
+        ...
+
+    def residual(self, z: np.ndarray) -> np.ndarray:
+        """F(z), shape (N,), for far less than with its derivatives."""
+        ...
+
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start. z has the shape (N + 1,)."""
         ...

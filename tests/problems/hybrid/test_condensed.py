@@ -5,7 +5,7 @@ import pytest
 from chains import random_matrix
 
 from contwalk.numerics.linear import Factored
-from contwalk.problems.hybrid.condensed import FEW, Chain, Condensed, factored
+from contwalk.problems.orbit.condensed import FEW, Chain, Condensed, factored
 from contwalk.problems.orbit.layout import Layout
 
 SHAPES = [

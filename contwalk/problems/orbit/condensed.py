@@ -21,7 +21,7 @@ from contwalk.flow.compiled.entry_points import Entry
 from contwalk.numerics.linear import Factored, Factorization
 from contwalk.problems.orbit.layout import Layout
 
-_LOOPS = "contwalk.problems.hybrid.elimination"
+_LOOPS = "contwalk.problems.orbit.elimination"
 ELIMINATE = Entry(_LOOPS, "eliminate", "d", "qqqqqqqq")
 FORWARD = Entry(_LOOPS, "forward", "q", "qqqqqqqq")
 FORWARD_TRANSPOSED = Entry(_LOOPS, "forward_transposed", "q", "qqqqqqqq")
