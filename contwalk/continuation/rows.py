@@ -24,7 +24,7 @@ def to_row(
     eigenvalues[: len(sample.spectrum)] = sample.spectrum
     row["s"] = state.s
     row["free"] = sample.z[::-1][: len(info.free)]
-    row["state"] = problem.observed.reported(sample.z)
+    row["state"] = problem.observed.reported(sample.z) if sample.reported is None else sample.reported
     row["observables"] = sample.observables
     row["period"] = sample.period
     row["trivial_error"] = sample.trivial_error
@@ -72,7 +72,11 @@ def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[P
     if sample.held_unstable:
         sample = problem.examine(z, tangent, weights, problem.linearize(z), count)
     # What was told of it then is told again: the walk goes on with the same numbers, to the last bit.
-    sample = replace(sample, observables=np.array(row["observables"])).counted(count)
+    sample = replace(
+        sample,
+        observables=np.array(row["observables"]),
+        reported=None if sample.reported is None else np.array(row["state"]),
+    ).counted(count)
     if born and row["s"] == 0.0:
         sample = replace(sample, orientation=0.0)  # not defined at a branch point
     problem, sample = adapted(problem, sample)

@@ -86,6 +86,8 @@ class Sample:
         Estimated error of z in the metric, from the errors of the equations.
     margins : ndarray
         What must stay positive for the motion to be the machine's, relative; those of `Limited.limits`.
+    reported : ndarray, shape (n,), optional
+        The state that stands for the solution, where it depends on the steps it was computed on.
     forbidden : bool
         Whether an event of the machine would happen on it, which these equations do not have.
     still : bool
@@ -122,6 +124,7 @@ class Sample:
     extent: np.ndarray | None = None
     error: float = float("nan")
     margins: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    reported: np.ndarray | None = None
     forbidden: bool = False
     still: bool = False
     kinks: tuple[Kink, ...] = ()

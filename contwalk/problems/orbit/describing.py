@@ -60,7 +60,7 @@ def described(
     values = problem.values_of(z)
     duration, (_, fold) = problem.duration(z), problem.whole
     spectrum = tuple(complex(v) for v in sample.eigenvalues)
-    state = there.reported(z)
+    state = there.reported(z) if sample.reported is None else sample.reported
     return SpecialPoint(
         label=point.label,
         s=s,

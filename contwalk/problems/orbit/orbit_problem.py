@@ -241,6 +241,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
             trivial_error=trivial,
             kinks=met,
             observables=self.observables(z, accurate) if known is None else known.observables,
+            reported=self.reported(z) if known is None else known.reported,
             **told,
         )
 

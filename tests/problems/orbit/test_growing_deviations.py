@@ -12,6 +12,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.reopening import reopened
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.transport import MOST_GROWTH, growth, segments_of_growth
+from contwalk.studies import opening_smooth
 
 # A point is a solution if its residual is at most so many times its own error (docs/theory.md).
 SOLVED = 20.0
@@ -97,18 +98,33 @@ def laser(t, x, p, dx):
     dx[2] = -0.07 * n - (1.0 + 0.03 * n) * (u * u + v * v - 1.0)
 
 
-def test_a_long_orbit_goes_on_where_its_multiplier_passes_a_million():
+# Behind three doublings of the cycle from HB1; 105.7 is two of its periods.
+ON_THE_LONG_ORBIT = [0.3184214813837366, -0.6305950227722237, -0.9344979115273251]
+TWICE_ROUND = 105.68377229599471
+
+
+def long_orbits(until):
     system = small_system(laser, ("u", "v", "n"), {"K": 0.2932})
     problem = cw.PeriodicOrbit(system, system.defaults(), "K")
-    # On the branch of period 106 behind three doublings of the cycle from HB1, found by following them.
-    start = [0.3184214813837366, -0.6305950227722237, -0.9344979115273251]
-    branch = cw.continue_branch(
-        problem, start, range=(0.2825, 0.2933), period=105.68377229599471, direction="backward"
-    )
+    given = {"range": (until, 0.2933), "period": TWICE_ROUND, "direction": "backward"}
+    return cw.continue_branch(problem, ON_THE_LONG_ORBIT, **given)
+
+
+def test_a_long_orbit_goes_on_where_its_multiplier_passes_a_million(monkeypatch):
+    """Gone round twice: the square of the multiplier of one round."""
+    monkeypatch.setattr(opening_smooth, "repetitions", lambda problem, z: 1)
+    branch = long_orbits(0.2825)
     assert branch.outcome.reason == "bound", branch.outcome.message
     assert branch.points["residual"].max() < SOLVED
     assert branch["max_abs"].max() > 1e6
     assert branch["trivial_error"].max() < 1e-3  # where the flow misses its velocity by that, it is cut
+
+
+def test_an_orbit_begun_twice_round_is_found_where_deviations_grow():
+    """Its halves are compared on its own steps: on others they come to lie apart."""
+    branch = long_orbits(0.293)
+    assert branch["period"].max() < 0.51 * TWICE_ROUND
+    assert branch["max_abs"].min() == pytest.approx(2.1438, rel=1e-3)  # once round, not its square
 
 
 def beside_a_circle_for_a_while(t, x, p, dx):

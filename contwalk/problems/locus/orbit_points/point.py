@@ -65,7 +65,7 @@ class OrbitLocusPoint(PointType):
         except NotFinite as error:
             kind, coefficients, note = None, {}, f"there is no normal form: {error.sentence}"
         margins = None if there.limited is None else there.margins(z)
-        state = there.reported(z)
+        state = there.reported(z) if sample.reported is None else sample.reported
         spectrum, (_, fold) = tuple(complex(v) for v in sample.spectrum), problem.whole
         return SpecialPoint(
             label=self.label,
