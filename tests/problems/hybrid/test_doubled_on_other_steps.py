@@ -5,7 +5,7 @@ w goes through the logistic map at each reset of a clock that it slows down: it 
 
 from hybrid_runs import diagram, machine
 
-from contwalk.problems.hybrid import remesh
+from contwalk.problems.orbit import remesh
 from contwalk.system import Transition
 
 
