@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from contwalk.errors import StartError
+from contwalk.errors import StartError, SystemDefinitionError
 from contwalk.system import System
 
 # All parameters where a path begins, at 0, and where it ends, at 1.
@@ -53,12 +54,14 @@ class ParameterLine:
         Raises
         ------
         SystemDefinitionError
-            If a value is missing, or no number.
+            If a value is missing, or no number; if a path is not two sets of values.
         UnknownNameError
             If there is no such parameter.
         """
         if ends is None:
             system.require_parameter(free)
+        else:
+            _check_ends(ends)
         if second is not None:
             system.require_parameter(second)
         whole = None if ends is None else (system.all_parameters(ends[0]), system.all_parameters(ends[1]))
@@ -176,3 +179,19 @@ class ParameterLine:
                 "Give range=(low, high); an end may be math.inf where max_points is to end it.",
             )
         return low, high
+
+
+def _check_ends(ends: Any) -> None:
+    """Raise for a path that is not two sets of values, as where another argument stands in its place.
+
+    Raises
+    ------
+    SystemDefinitionError
+    """
+    if isinstance(ends, Sequence) and len(ends) == 2 and all(isinstance(end, Mapping) for end in ends):
+        return
+    raise SystemDefinitionError(
+        f"A path leads from values of parameters to others, and this is a {type(ends).__name__}.",
+        "Give `path` two mappings from names to values, or None; what follows it is given by name "
+        "(`discretization=...`).",
+    )

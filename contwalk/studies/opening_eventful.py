@@ -20,15 +20,15 @@ from contwalk.problems.hybrid.hopping import hops
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.hybrid.least import least, unused_symmetries
-from contwalk.problems.hybrid.obstacles import collapsed as collapsed_event
+from contwalk.problems.hybrid.legs_without_length import collapsed as collapsed_event
 from contwalk.problems.hybrid.past_all_along import past_all_along
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
-from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.initial.event_recurrence import recurrence_from
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.kink import refuse
 from contwalk.problems.orbit.conservation import off_its_value
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import named_itinerary
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.parameter_line import Ends

@@ -9,7 +9,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.newton import Correction
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.obstacles import collapsed as collapsed_event
+from contwalk.problems.hybrid.legs_without_length import collapsed as collapsed_event
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.signatures import folded
 from contwalk.studies.families import ONE_OF_A_FAMILY, Places, family_at, is_one_of_a_family, member_near

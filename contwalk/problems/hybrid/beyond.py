@@ -23,11 +23,11 @@ from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import ZERO
-from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.initial.event_recurrence import recurrence_from
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed

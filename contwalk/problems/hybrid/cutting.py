@@ -43,10 +43,10 @@ def filled(
     Parameters
     ----------
     problem : LimitedOrbit
-    bare : ndarray
+    bare : ndarray, shape (M + 1,)
         Unknowns with one segment in each leg.
     cuts : int
-    source, z : LimitedOrbit, ndarray
+    source, z : LimitedOrbit, ndarray of shape (N + 1,)
         Whose legs begin with those of `problem`, in their order.
     """
     layout = problem.cut_into(cuts).layout
@@ -67,6 +67,8 @@ def copied(
 
     Those with one segment in each leg where the motion goes on beyond the closure, as its image or with its
     angles turned.
+
+    z has the shape (N + 1,), `bare` (M + 1,).
     """
     finer = problem.cut_into(source.cuts if problem.cuttable else 1)
     times, layout = source.starting_times(z), finer.layout

@@ -8,10 +8,11 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.memory import memory_of, remembered
-from contwalk.problems.hybrid import limit_points, limits_told, switching
+from contwalk.problems.hybrid import limit_points, limits_told
 from contwalk.problems.hybrid.adjacent import itineraries
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.problem import Located, Sample, Seed
 
 # Limits whose neighbours are kept.
@@ -38,7 +39,7 @@ class HybridLimits:
         """Which of the limits a special point is one of."""
         orbit, z = self._orbit, np.array(point.unknowns)
         known = orbit._mesh is not None and len(z) == orbit.size + 1
-        return limit_points.nearest(orbit if known else switching.discretized(orbit, z), point)
+        return limit_points.nearest(orbit if known else discretized(orbit, z), point)
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """Why an orbit beyond a limit is not the machine's, and what lies next to it."""

@@ -19,8 +19,8 @@ from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.limited import HybridLimits
 from contwalk.problems.hybrid.soft_equations import SoftEquations
-from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.problem import Linearization, Located, Sample, Seed, Test

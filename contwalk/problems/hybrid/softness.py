@@ -16,8 +16,9 @@ from contwalk.problems.hybrid.grouping import NO_TIME
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.hybrid.limits import Limit, conditions_at, limits_of_leg
 from contwalk.problems.hybrid.margin_values import ZERO, largest
-from contwalk.problems.hybrid.switching import discretized, rotated, shifted
+from contwalk.problems.hybrid.switching import rotated, shifted
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary, Leg, modes_around
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues

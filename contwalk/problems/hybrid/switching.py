@@ -7,89 +7,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk import flow
 from contwalk.problems.hybrid import cutting
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.orbit import monodromy, variations
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import imaged_leg
-from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.scales import cycle_scales
-from contwalk.problems.orbit.shooting import AT_REST
 from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
-# Size of a state that starts show nothing of, against the largest; tolerance of steps for magnitudes only.
-UNSEEN, ROUGH = 1e-2, 1e-7
-# Even steps of a leg for magnitudes of states that are zero wherever one starts, but for rounding: below this
-# part of them.
-PILOT, NOTHING = (16, 32), 1e-9
-# A state below this is zero in any unit.
-NO_UNIT = 1e-30
 # Images that differ by less than this part of the variation are one.
 ALIKE = 1e-6
 # Shifts along pinned directions that are tried, and how little they leave of the residual.
 MOST_SHIFTS, SHIFTED = 5, 2.0
-
-
-def discretized(problem: Kind, z: np.ndarray, parent: LimitedOrbit | None = None) -> Kind:
-    """The problem on fine steps for a stored solution.
-
-    A solution at rest may be a rounding of zero, which is no scale. What its states are measured in is known
-    where the problem, or the parent that it is an orbit of, has been walked along.
-
-    z has the shape (N + 1,).
-    """
-    problem = problem.fitting(z)
-    if parent is not None:
-        return _discretized(problem, z, parent)
-    # All that is looked for beside a special point begins with it.
-    return problem.known.at("discretized", z, 1, lambda: _discretized(problem, z, None))
-
-
-def _discretized(problem: Kind, z: np.ndarray, parent: LimitedOrbit | None) -> Kind:
-    """As `discretized`, of a problem with the segments of z, shape (N + 1,)."""
-    layout = problem.layout
-    reached = np.zeros(problem.states)
-    for place, passage in zip(layout.states, problem.passages, strict=True):
-        own = list(passage.states)
-        reached[own] = np.maximum(reached[own], np.abs(z[place]))
-    between = _between(problem, z)
-    if float(reached.max()) < NOTHING * float(between.max()):  # a mass that rests wherever a leg starts
-        reached = between
-    mesh = problem._mesh or (None if parent is None else parent._mesh)
-    typical, least = (np.ones(problem.states), NO_UNIT) if mesh is None else (mesh.magnitudes, AT_REST)
-    if np.all(reached <= least * typical):
-        reached = typical
-    largest = float(reached.max())
-    # What is zero at the starts of legs is not zero on them.
-    reached = np.maximum(reached, UNSEEN * largest)
-    rough = problem.adapted_to(z, problem.weighted(reached), max(problem.discretization.walking, ROUGH))
-    return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
-
-
-def _between(problem: LimitedOrbit, z: np.ndarray) -> np.ndarray:
-    """How large each state becomes on the legs, roughly; zero where a few even steps do not tell."""
-    found = []
-    for count in PILOT:
-        reached, times = np.zeros(problem.states), np.linspace(0.0, 1.0, count + 1)
-        for segment in problem.layout.segments:
-            passage = problem.passages[segment.leg]
-            x, scalars = problem.layout.inputs_of(segment, z)
-            field = passage.field(PLAIN)
-            c = field.constants(np.concatenate([scalars, problem.line.constants]))
-            states = flow.along(field, c, times, x, "dop853")
-            if not np.isfinite(states).all():
-                return np.zeros(problem.states)
-            own = list(passage.states)
-            reached[own] = np.maximum(reached[own], np.abs(states).max(axis=0))
-        found.append(reached)
-    rough, finer = found
-    alike = np.all(np.abs(rough - finer) <= 0.1 * finer.max())
-    return finer if alike else np.zeros(problem.states)
 
 
 def doubled(problem: LimitedOrbit, z: np.ndarray) -> Sequence[Seed]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.errors import NotFinite, PluginError
 from contwalk.flow.hybrid.functions_without_value import functions_of
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Margins
@@ -14,23 +13,6 @@ from contwalk.problems.orbit import without_value
 from contwalk.problems.orbit.undefined import refusal
 from contwalk.python_functions import line_of
 from contwalk.system import Transition
-
-BREAKDOWNS = (NotFinite, PluginError, np.linalg.LinAlgError)
-
-
-def where(problem: LimitedOrbit, z: np.ndarray) -> str:
-    """`The NAME: file, line n: what` of the first function without a value on the way of z; empty if all have
-    one.
-
-    z has the shape (N + 1,).
-    """
-    if not np.isfinite(z).all():
-        return ""
-    try:
-        views = problem.view(z)
-    except BREAKDOWNS:
-        return ""
-    return next((found for view in views if (found := _on_leg(view))), "")
 
 
 def refuse_guards(problem: LimitedOrbit, z: np.ndarray, margins: Margins) -> None:
@@ -93,15 +75,3 @@ def _of_guard(view: GuardedView, transition: Transition) -> str:
     if np.isfinite(rates).all():
         return ""
     return f"{line_of(transition.guard)}the {name} has no finite derivative by the time along an orbit."
-
-
-def _on_leg(view: GuardedView) -> str:
-    """What has no value at the steps of a leg, within one of them, or where it ends."""
-    piece, leg = view.piece, view.piece.passage.leg
-    values, functions = piece.values(view.scalars), functions_of(piece.passage.system, leg.mode)
-    if found := without_value.along(piece.passage, values, piece.steps, view.nodes, piece.method, functions):
-        return found
-    if leg.transition is None or leg.transition.reset is None:
-        return ""
-    reset = {f"reset of transition '{leg.name}'": leg.transition.reset}
-    return without_value.at(piece.passage, values, 1.0, view.end, reset)

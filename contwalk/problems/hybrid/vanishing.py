@@ -41,7 +41,7 @@ Size = Callable[[np.ndarray], float]
 
 def in_no_time(problem: LimitedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """The closure shrinks to no time at all: its events follow each other at once, for ever."""
-    if not a.period > 0.0 >= b.period:
+    if not problem.itinerary.eventful or not a.period > 0.0 >= b.period:
         return None
     return shrunk(
         f"The orbit lasts no time any more near {_where(problem, a, b, problem.duration)}: its events follow "
@@ -51,6 +51,8 @@ def in_no_time(problem: LimitedOrbit, a: Sample, b: Sample) -> Outcome | None:
 
 def onto_an_event(problem: LimitedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """An event's guard comes to be zero all along its leg, which lasts: the orbit has shrunk to a point."""
+    if not problem.itinerary.eventful:
+        return None
     magnitudes = problem.magnitudes_of(b.weights)
     for leg, transition in problem.events:
         where = _through_zero(problem, leg, a, b) or _to_zero(problem, leg, a, b, magnitudes)

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import ContwalkError, StartError
+from contwalk.errors import StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.equilibrium.points.hopf_to_orbit import from_hopf
 from contwalk.problems.hybrid.birth import eventful
+from contwalk.problems.locus.doubled_orbits import born_beside
 from contwalk.problems.locus.lines import whole_plane
 from contwalk.problems.locus.normal_forms import cubic_rate
 from contwalk.problems.locus.orbit_curves import CURVES
@@ -59,23 +60,9 @@ def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
 def _found_beside(
     problem: Any, z: np.ndarray, born: Callable[[np.ndarray, float], Seed | None]
 ) -> Sequence[Seed]:
-    """What is born beside a point of a curve of Hopf points, at the first place that has it; z (N + 1,).
-
-    `born` is asked at solutions (N + 1,) to both sides, with how far aside they are.
-    """
+    """As `born_beside`, of a curve of Hopf points."""
     there = problem.at(z)
-    weights = _sizes(there, z)
-    tangent = kernel_direction(there.linearize(z).jacobian, weights)
-    for aside in ASIDE:
-        for sign in (1.0, -1.0):
-            try:
-                guess = z + sign * aside * tangent
-                found = born(newton_on(there, guess, weights, tangent / weights**2), aside)
-            except (ContwalkError, np.linalg.LinAlgError):
-                continue
-            if found is not None:
-                return [found]
-    return ()
+    return born_beside(there, z, _sizes(there, z), ASIDE, born)
 
 
 def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | None:

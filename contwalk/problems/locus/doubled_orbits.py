@@ -98,13 +98,31 @@ def found_beside(
 
     `born` is asked with the doubled orbits to both sides of the point, and the amplitude to begin at.
     """
-    z, weights = np.array(point.unknowns), problem.weights
-    tangent = kernel_direction(problem.jacobian(z), weights)
-    for aside in ASIDE:
+    z = np.array(point.unknowns)
+
+    def of_doubled(beside: np.ndarray, aside: float) -> Seed | None:
+        return born(DoubledOrbits(problem, beside, z[-2:]), AMPLITUDE * aside**0.5)
+
+    return born_beside(problem, z, problem.weights, ASIDE, of_doubled)
+
+
+def born_beside(
+    problem: Any,
+    z: np.ndarray,
+    weights: np.ndarray,
+    lengths: Sequence[float],
+    born: Callable[[np.ndarray, float], Seed | None],
+) -> Sequence[Seed]:
+    """What is born beside a point z, shape (N + 1,), of a curve, at the first place that has it; else none.
+
+    `born` is asked at solutions to both sides, with how far aside they are in the metric of the weights.
+    """
+    tangent = kernel_direction(problem.linearize(z).jacobian, weights)
+    for aside in lengths:
         for sign in (1.0, -1.0):
             try:
                 beside = newton_on(problem, z + sign * aside * tangent, weights, tangent / weights**2)
-                found = born(DoubledOrbits(problem, beside, z[-2:]), AMPLITUDE * aside**0.5)
+                found = born(beside, aside)
             except (ContwalkError, np.linalg.LinAlgError):
                 continue
             if found is not None:

@@ -22,7 +22,6 @@ import numpy as np
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.kinks import Course
-from contwalk.problems.orbit import equations
 from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.layout import ClosureLayout, Layout, Segment, joined
 from contwalk.problems.orbit.orbit_data import Further, OrbitData
@@ -201,14 +200,6 @@ class DiscretizedOrbit(OrbitData):
         if len(lasting):
             return float(lasting.sum())
         return self.forcings * period_at(self.system, self.values_of(z))
-
-    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
-        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
-        gradient = np.zeros(len(z))
-        gradient[self.layout.durations] = 1.0
-        if self.in_closure and self.forced:
-            gradient[-1] = equations.period_of(self, z)[1]
-        return gradient
 
     def starting_times(self, z: np.ndarray) -> np.ndarray:
         """Times at which the legs start, and the last one ends, shape (m + 1,)."""

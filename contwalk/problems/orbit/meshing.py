@@ -88,15 +88,18 @@ def meshed(
         found = integrated(variation, used)
         grown = _grown(runs, found[0], variation)
     paths, chosen, reason = found
-    steps = [path.steady for path in paths]
+    steps = _repeated([path.steady for path in paths], parts, closure, alike)
+    amplified = 1.0 if closure else max(max(grown) * used / tolerance, 1.0)
+    return Mesh(steps, chosen, tolerance, variation, magnitudes, reason, grown=grown, amplified=amplified)
+
+
+def _repeated(steps: list[np.ndarray], parts: int, closure: bool, alike: bool) -> tuple[np.ndarray, ...]:
+    """Steps made the same where the motion repeats itself, or its image; see `meshed`."""
     if alike:
         steps = _alike_in_halves(steps)
     if parts > 1:
         steps = list(repeating(steps, parts)) if closure else _alike(steps, parts)
-    amplified = 1.0 if closure else max(max(grown) * used / tolerance, 1.0)
-    return Mesh(
-        tuple(steps), chosen, tolerance, variation, magnitudes, reason, grown=grown, amplified=amplified
-    )
+    return tuple(steps)
 
 
 def runs_of(orbit: DiscretizedOrbit, z: np.ndarray) -> list[Run]:

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any, Protocol, Self
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.memory import of_unowned, unowned
-from contwalk.numerics.linear import Factored, Factorization, unit_in
+from contwalk.numerics.linear import unit_in
 from contwalk.problems.capabilities import OwnMeasures, OwnMesh
 from contwalk.problems.kink import Kink, refuse
-from contwalk.problems.linearization import Fitted
 from contwalk.problems.orbit import (
     augmented,
     branching,
-    condensed,
     describing,
     equations,
     equivalence,
@@ -32,35 +28,24 @@ from contwalk.problems.orbit import (
     rates,
     remesh,
     reporting,
-    scales,
 )
+from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
 from contwalk.problems.orbit.discretization import FINEST
-from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.extents import extent_along, sizes_since
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
-from contwalk.problems.orbit.normal_forms import SectionMap
+from contwalk.problems.orbit.orbit_equations import OrbitEquations
 from contwalk.problems.orbit.orbit_section import into_section
 from contwalk.problems.orbit.protocol import OrbitKind
-from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
-from contwalk.problems.orbit.step_blocks import multipliers_of
 from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
-
-# Linearizations that are kept, as far as they fit: a step asks for the same ones several times.
-LEAST_KEPT, MOST_KEPT, MOST_BYTES = 3, 12, 5e7
 
 
 class Switching(Protocol):
     """The branches that leave one kind of orbits, as functions over them."""
-
-    def discretized(self, problem: Any, z: np.ndarray, /) -> Any:
-        """The problem on fine steps for a stored solution, which may have other segments.
-
-        z has the shape (N + 1,).
-        """
 
     def doubled(self, problem: Any, z: np.ndarray, /) -> Sequence[Seed]:
         """The orbit of twice the closure that leaves where a multiplier is -1. z has the shape (N + 1,)."""
@@ -72,102 +57,15 @@ class Switching(Protocol):
         """
 
 
-class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
+class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
     """The part of a problem of orbits that does not depend on how they are discretised."""
 
     first_passed, same = equivalence.first_passed, equivalence.same
-    magnitudes_near, beginnings = metric.magnitudes_near, metric.beginnings
+    beginnings = metric.beginnings
     reported = reporting.reported
     location_tolerance = 1e-3  # solutions are solved for to a part of the tolerance only
     # The module of what differs between kinds of orbits.
     switching: Switching
-
-    @property
-    def most_kept(self) -> int:
-        """How many linearizations are kept."""
-        return int(min(max(MOST_BYTES / (8.0 * self.size**2), LEAST_KEPT), MOST_KEPT))
-
-    def linearize(self, z: np.ndarray) -> Linearization:
-        """The equations at z. z has the shape (N + 1,)."""
-        return self.known.at("linearization", z, self.most_kept, lambda: self._linearized(z))
-
-    def _linearized(self, z: np.ndarray) -> Linearization:
-        """The equations at z, computed."""
-        residual, jacobian, nodes = equations.with_derivatives(self, z)
-        self.known.at("nodes", z, self.most_kept, lambda: nodes)
-        levels, magnitudes = of_unowned(equations.levels, self), unowned(self.magnitudes_near)
-        nearby = unowned(self.residual)
-        found = Linearization(
-            residual,
-            jacobian,
-            lambda: (levels(z, jacobian), None),
-            lambda: magnitudes(z),
-            self._factored,
-            None if self.in_closure else lambda: nearby,
-            self.fitted,
-        )
-        found.dear = equations.dear(self)
-        return found
-
-    def residual(self, z: np.ndarray) -> np.ndarray:
-        """F(z), shape (N,), for far less than with its derivatives."""
-        return equations.residual(self, z)
-
-    @property
-    def fitted(self) -> Fitted | None:
-        """What solves for unknowns that are hard to guess, as durations of legs that end with events."""
-        return None
-
-    @property
-    def cost(self) -> int:
-        """Right-hand sides of one pass with derivatives, each column counted as one."""
-        return equations.cost(self)
-
-    def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
-        """A matrix of these equations and unknowns, and of borders that come last, factored.
-
-        The matrix has the shape (m, m), the weights (m,).
-        """
-        return self._factored(matrix, weights)
-
-    @property
-    def _factored(self) -> Callable[[np.ndarray, np.ndarray], Factorization]:
-        # An equation of the phase is one of the first leg's start: the chain has no place for it.
-        return partial(condensed.factored, self.layout) if self.itinerary.eventful else Factored
-
-    def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """DF(z), shape (N, N + 1)."""
-        return self.linearize(z).jacobian
-
-    def errors_at(self, z: np.ndarray) -> np.ndarray:
-        """Estimated error of each equation at a solution. z has the shape (N + 1,), the errors (N,)."""
-        return equations.errors(self, self.linearize(z))
-
-    @property
-    def equation_scales(self) -> np.ndarray:
-        """Units of the equations, shape (N,). Their own rows would not do: one that vanishes at a special
-        point is the critical one.
-        """
-        return scales.equation_scales(self)
-
-    # -- once round --------------------------------------------------------------------------------------
-
-    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers of the closure, without the flow's own and the pinned ones.
-
-        z has the shape (N + 1,), the jacobian (N, N + 1).
-        """
-        if self.uneven and self.mesh.segments > 1:
-            return multipliers_of(self, z, monodromy.becoming_of(self, z))
-        return monodromy.spectrum(self, z, jacobian)
-
-    def return_map(self, z: np.ndarray) -> SectionMap:
-        """The map that takes a section once round the orbit, for normal forms. z has the shape (N + 1,)."""
-        return ReturnMap(self, z)
-
-    def velocity(self, z: np.ndarray) -> np.ndarray:
-        """dx/dt at the start. z has the shape (N + 1,)."""
-        return monodromy.flow_direction(*self.explicit(z), 0)
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """Kinks of guards, resets and conditions, where there are any. z has the shape (N + 1,)."""
@@ -264,6 +162,11 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
     # -- what is told of it ------------------------------------------------------------------------------
 
     @property
+    def diagnosis(self) -> OrbitDiagnosis:
+        """What is known of places where a branch ends, or cannot go on."""
+        return OrbitDiagnosis(self)
+
+    @property
     def observable_names(self) -> tuple[str, ...]:
         """Names of what is told of each solution."""
         return observing.names(self)
@@ -346,7 +249,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, DiscretizedOrbit):
 
         z has the shape (N + 1,).
         """
-        return self.switching.discretized(self, z)
+        return discretized(self, z)
 
     def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
         """The orbit of twice the closure that leaves where a multiplier is -1. z has the shape (N + 1,)."""

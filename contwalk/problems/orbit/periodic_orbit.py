@@ -14,7 +14,6 @@ from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
-from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import Sample
@@ -58,13 +57,6 @@ class PeriodicOrbit(OrbitProblem):
     ) -> None:
         itinerary = Itinerary((Leg(system.modes[0].name),))
         super().__init__(system, itinerary, parameters, free, path, **further)
-
-    # -- what is told of it ------------------------------------------------------------------------------
-
-    @property
-    def diagnosis(self) -> SmoothDiagnosis:
-        """What is known of places where a branch ends, or cannot go on."""
-        return SmoothDiagnosis(self)
 
     # -- along a branch ----------------------------------------------------------------------------------
 

@@ -75,39 +75,12 @@ class OrbitDiagnosis(Diagnosis, Protocol):
         ...
 
 
-class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
-    """A periodic orbit, discretised: what the engine asks of it, and the algorithms that all orbits share."""
-
-    system: System
-    free: str
-    pins: tuple[Neutral, ...]
-    discretization: Discretization
-    forced: bool
-    section: Section | None
-
-    @property
-    def diagnosis(self) -> OrbitDiagnosis:
-        """What is known of places where a branch ends, or cannot go on."""
-        ...
-
-    @property
-    def mesh(self) -> Mesh:
-        """The steps of this discretisation."""
-        ...
-
-    @property
-    def rounds(self) -> int:
-        """Closures of the motion that `max_abs` is of."""
-        ...
+class EquationsOfOrbit(Problem, Protocol):
+    """The equations of an orbit, and what is computed of them."""
 
     @property
     def equation_scales(self) -> np.ndarray:
         """Units of the equations, shape (N,)."""
-        ...
-
-    @property
-    def whole(self) -> tuple[str, int]:
-        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
         ...
 
     def examine(
@@ -138,6 +111,57 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """
         ...
 
+    def residual(self, z: np.ndarray) -> np.ndarray:
+        """F(z), shape (N,), for far less than with its derivatives."""
+        ...
+
+    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """Multipliers of the closure. z has the shape (N + 1,), the jacobian (N, N + 1)."""
+        ...
+
+    def return_map(self, z: np.ndarray) -> SectionMap:
+        """The map that takes the section once round the orbit. z has the shape (N + 1,)."""
+        ...
+
+    def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
+        """Typical magnitudes of z, NaN where nothing tells. Both have the shape (N + 1,)."""
+        ...
+
+    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
+        ...
+
+
+class Orbit(EquationsOfOrbit, Meshed, Observed, Equivalence, Protocol):
+    """A periodic orbit, discretised: what the engine asks of it, and the algorithms that all orbits share."""
+
+    system: System
+    free: str
+    pins: tuple[Neutral, ...]
+    discretization: Discretization
+    forced: bool
+    section: Section | None
+
+    @property
+    def diagnosis(self) -> OrbitDiagnosis:
+        """What is known of places where a branch ends, or cannot go on."""
+        ...
+
+    @property
+    def mesh(self) -> Mesh:
+        """The steps of this discretisation."""
+        ...
+
+    @property
+    def rounds(self) -> int:
+        """Closures of the motion that `max_abs` is of."""
+        ...
+
+    @property
+    def whole(self) -> tuple[str, int]:
+        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
+        ...
+
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:
         """The same problem on steps for located points. z and weights have the shape (N + 1,)."""
         ...
@@ -149,23 +173,11 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """
         ...
 
-    def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
-        """Typical magnitudes of z, NaN where nothing tells. Both have the shape (N + 1,)."""
-        ...
-
-    def return_map(self, z: np.ndarray) -> SectionMap:
-        """The map that takes the section once round the orbit. z has the shape (N + 1,)."""
-        ...
-
     def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray) -> bool:
         """Whether the orbit of a branch with this tangent has become its parent again.
 
         z and tangent have the shape (N + 1,).
         """
-        ...
-
-    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers of the closure. z has the shape (N + 1,), the jacobian (N, N + 1)."""
         ...
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
@@ -224,14 +236,6 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
 
     def duration(self, z: np.ndarray) -> float:
         """Duration of the closure, seconds. z has the shape (N + 1,)."""
-        ...
-
-    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
-        """Derivative of that by unknowns and free parameter, shape (N + 1,)."""
-        ...
-
-    def residual(self, z: np.ndarray) -> np.ndarray:
-        """F(z), shape (N,), for far less than with its derivatives."""
         ...
 
     def velocity(self, z: np.ndarray) -> np.ndarray:

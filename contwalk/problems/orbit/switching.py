@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.problems.orbit import variations
-from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.branching import amplitude
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.own_image import halved
@@ -17,19 +17,6 @@ from contwalk.problems.orbit.shooting import velocity
 from contwalk.problems.orbit.transport import carried_to, following, segments_for
 from contwalk.problems.problem import Seed
 from contwalk.system.declarations import ParameterValues
-
-
-def discretized(problem: DiscretizedOrbit, z: np.ndarray) -> DiscretizedOrbit:
-    """The problem on fine steps for a stored solution, which may have other segments than the branch
-    began with.
-
-    z has the shape (N + 1,).
-    """
-    problem = problem.fitting(z)
-    m, scalars = problem.cuts, np.abs(problem.scalars(z))
-    sizes = np.maximum(np.abs(problem.starts(z)).max(axis=0), 1e-6)
-    rough = problem.adapted_to(z, problem.layout.joined(np.tile(sizes, m) * np.sqrt(m), scalars, 1.0))
-    return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
 def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:

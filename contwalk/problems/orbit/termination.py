@@ -10,11 +10,7 @@ from contwalk.branch import Outcome
 from contwalk.errors import NotFinite
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.asymmetry import asymmetries
-from contwalk.problems.orbit.conservation import not_conserved
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.orbit.homoclinic import homoclinic
-from contwalk.problems.orbit.unbounded import unbounded
-from contwalk.problems.orbit.vanishing import at_a_point
 from contwalk.problems.problem import Sample
 
 # An orbit that goes a smaller part of its metric in one closure is a point: solutions are known to 1e-10.
@@ -26,12 +22,6 @@ MEETS = 1e-6
 # How far aside along the branch another orbit is looked at, in the metric; and by how much less it moves from
 # what it keeps: to the second order.
 ASIDE, STAYS = 1e-3, 0.03
-
-
-def ended(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
-    """Why the branch ends between two neighbouring orbits, if it does."""
-    reasons = (unborn, held, not_conserved, at_a_point, homoclinic, unbounded)
-    return next((outcome for reason in reasons if (outcome := reason(problem, a, b)) is not None), None)
 
 
 def held(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
@@ -56,10 +46,10 @@ def held_by_force(problem: DiscretizedOrbit, sample: Sample) -> bool:
     if not any(pin.name == neutrals.UNDECLARED for pin in problem.pins):
         return False
     linearization, weights = problem.linearize(sample.z), sample.weights
-    errors, first = problem.errors_at(sample.z), len(sample.z) - 1 - len(problem.pins)
+    errors, drifts = problem.errors_at(sample.z), problem.layout.drifts
     try:
         bordered = linearization.bordered(sample.tangent / weights**2, weights)
-        for pin, place in zip(problem.pins, range(first, len(sample.z) - 1), strict=True):
+        for pin, place in zip(problem.pins, range(drifts.start, drifts.stop), strict=True):
             row = bordered.solve_adjoint(np.eye(len(sample.z))[place])[: len(errors)]
             moves = abs(sample.z[place]) > HELD * float(np.abs(row) @ errors)
             if moves and pin.name == neutrals.UNDECLARED:
@@ -71,7 +61,9 @@ def held_by_force(problem: DiscretizedOrbit, sample: Sample) -> bool:
 
 def unborn(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Two orbits that are points to rounding: the walk has not left the Hopf point that it began at."""
-    if problem.forced or max(_extent(problem, sample) for sample in (a, b)) > POINT:
+    if problem.forced or problem.itinerary.eventful:
+        return None
+    if max(_extent(problem, sample) for sample in (a, b)) > POINT:
         return None
     return Outcome(
         "failed",
@@ -84,10 +76,9 @@ def unborn(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
 
 def _extent(problem: DiscretizedOrbit, sample: Sample) -> float:
     """How far an orbit goes in one closure at its present speed, in the metric."""
-    n = problem.states
-    return float(
-        np.linalg.norm(problem.velocity(sample.z) * problem.duration(sample.z) / sample.weights[:n])
-    ) * np.sqrt(problem.mesh.segments)
+    way = problem.velocity(sample.z) * problem.duration(sample.z)
+    size = float(np.linalg.norm(way / sample.weights[problem.layout.states[0]]))
+    return size * np.sqrt(len(problem.layout.segments))
 
 
 def returned_to_parent(problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:

@@ -15,7 +15,7 @@ from scipy.linalg import expm
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import least, own_image
-from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.system import State, Symmetry, Transition
 

@@ -16,7 +16,7 @@ from hybrid_runs import ACCURACY, assert_met, diagram, machine
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import divided, repetitions
-from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.restoring import problem_of
 from contwalk.system import System, Transition
 

@@ -13,7 +13,7 @@ from hybrid_runs import machine, solution
 
 from contwalk.problems.hybrid.adjacent import at_limit, corner, orbit
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.system import Transition
 
 MARKS = {"a": 1.0, "b": 3.0, "c": 4.5, "d": 8.0}

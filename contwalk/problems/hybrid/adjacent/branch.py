@@ -13,9 +13,9 @@ from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrb
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
-from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
 

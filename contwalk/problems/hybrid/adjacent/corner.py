@@ -14,9 +14,9 @@ from contwalk.problems.hybrid.adjacent.at_limit import arrival, begun_elsewhere,
 from contwalk.problems.hybrid.adjacent.orbit import NoAdjacentOrbit
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit import monodromy
 from contwalk.problems.orbit.branching import filled_magnitudes
+from contwalk.problems.orbit.fine_steps import discretized
 
 # Directions of a branch before and after an exchange that differ by more make a corner.
 CORNER = 1e-5

@@ -17,7 +17,7 @@ from contwalk.problems.hybrid.adjacent.orbit import (
 from contwalk.problems.hybrid.adjacent.visiting import visited
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Transition
 

@@ -32,7 +32,7 @@ from contwalk.problems.hybrid.adjacent.together import SAME_TOUCH, built_beyond,
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Leg
 from contwalk.problems.problem import Seed
 from contwalk.signatures import folded

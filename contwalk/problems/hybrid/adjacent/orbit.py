@@ -10,8 +10,8 @@ import numpy as np
 from contwalk.problems.hybrid import cutting
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary, Leg, continued, imaged_leg
 from contwalk.system import Transition
 from contwalk.system.declarations import ParameterValues

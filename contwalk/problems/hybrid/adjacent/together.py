@@ -11,7 +11,7 @@ from contwalk.problems.hybrid.adjacent.collapse import collapsed, collapses
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrbit, state_on_leg
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.orbit.fine_steps import discretized
 
 # Legs begin or cease to last together where their margins are this small.
 TOGETHER = 1e-8
