@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from hybrid_runs import assert_met, branch_of, diagram, machine, solution
 
-from contwalk.problems.hybrid import cutting, limit_rows
+from contwalk.problems.hybrid import cut_legs, limit_rows
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.switching import rotated
 from contwalk.problems.orbit import condensed, monodromy, variations
@@ -151,7 +151,7 @@ def forced() -> System:
 
 def cut(problem: HybridOrbit, z: np.ndarray, count: int) -> tuple[HybridOrbit, np.ndarray]:
     finer = problem.cut_into(count)
-    there = cutting.filled(problem, problem.bare(z), count, problem, z)
+    there = cut_legs.filled(problem, problem.bare(z), count, problem, z)
     return finer.adapted_to(there, finer.weighted(problem.mesh.magnitudes), problem.mesh.tolerance), there
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid import cutting
+from contwalk.problems.hybrid import cut_legs
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.hybrid.switching import shifted
@@ -132,7 +132,7 @@ def divided(problem: Kind, z: np.ndarray, times: int) -> tuple[Kind, np.ndarray]
     states = z[: layout.states[last].stop]
     start = np.concatenate([states, lasting, z[layout.durations.stop :]])
     if problem.cuts > 1:
-        start = cutting.copied(other, start, float(problem.starting_times(whole)[0]), problem, whole)
+        start = cut_legs.copied(other, start, float(problem.starting_times(whole)[0]), problem, whole)
     return discretized(other, start), start
 
 
@@ -141,7 +141,7 @@ def _beginning(problem: Kind, z: np.ndarray, legs: int, times: int, image: str) 
     layout = problem.layout
     states, lasting = slice(0, layout.states[legs].start), layout.durations.start
     start = np.concatenate([z[states], z[lasting : lasting + legs], z[layout.rest], z[-1:]])
-    start = cutting.completed(start, cutting.blocks(problem, z)[:legs])
+    start = cut_legs.completed(start, cut_legs.blocks(problem, z)[:legs])
     other = problem.of_itinerary(Itinerary(problem.itinerary.legs[:legs], image), turns=problem.turns / times)
     other.subharmonic = max(problem.subharmonic // times, 1)
     there = discretized(other, start)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.problems.hybrid import cutting
+from contwalk.problems.hybrid import cut_legs
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.orbit import monodromy, variations
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
@@ -112,7 +112,7 @@ def _alternating(
     twice, alternating = _joined(problem, z[lasting], 1.0), _joined(problem, v[lasting], -1.0)
     start = np.concatenate([z[states], *second, twice, z[rest], z[-1:]])
     tangent = np.concatenate([v[states], *turned, alternating, still, [0.0]])
-    inner, moved = cutting.blocks(problem, z), cutting.blocks(problem, v)
+    inner, moved = cut_legs.blocks(problem, z), cut_legs.blocks(problem, v)
     again = [np.array([image(i, x) for x in own]) for i, own in enumerate(inner)]
     back = [np.array([-image(i, x) for x in own]) for i, own in enumerate(moved)]
     if problem.cuts > 1 and not problem.itinerary.eventful:  # where both rounds meet another segment begins
@@ -120,7 +120,7 @@ def _alternating(
         inner = [np.vstack([inner[0], image(0, z[first])[None], again[0]])]
         moved = [np.vstack([moved[0], -image(0, v[first])[None], back[0]])]
         again, back = [], []
-    start, tangent = cutting.completed(start, inner + again), cutting.completed(tangent, moved + back)
+    start, tangent = cut_legs.completed(start, inner + again), cut_legs.completed(tangent, moved + back)
     there = discretized(other, start, problem)
     weights = np.concatenate([cycle_scales(there)[1], [1.0]])
     if problem.pins:
@@ -210,13 +210,13 @@ def _with_segments(
     p: ParameterValues,
 ) -> np.ndarray:
     """Unknowns of a rotated orbit with the inner states of the legs, images of those that come first here."""
-    inner, m = cutting.blocks(problem, z), problem.layout.legs
+    inner, m = cut_legs.blocks(problem, z), problem.layout.legs
     found = inner[first:]
     for i in range(first):
         own, there = problem.passages[i], other.passages[m - first + i]
         moved = [imaged(symmetry, own.full(x), p)[list(there.states)] for x in inner[i]]
         found.append(np.array(moved))
-    return cutting.completed(bare, found)
+    return cut_legs.completed(bare, found)
 
 
 def _along_pins(problem: LimitedOrbit, z: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from contwalk.flow.hybrid.motions import HybridMachine, hybrid_machine
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
-from contwalk.problems.hybrid import cutting, families
+from contwalk.problems.hybrid import cut_legs, families
 from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.initial.orbit_from_state import started
@@ -61,7 +61,7 @@ def orbit_of(
         problem = problem.of_itinerary(recurrence.itinerary, max(round(whole / period), 1))
         z[layout.start] = recurrence.stretches[0].start % period if problem.itinerary.eventful else 0.0
     problem = problem.varied(turns=_turns(system, recurrence))
-    return cutting.begun(problem.adapted_to(z, problem.weighted(recurrence.magnitudes)), z)
+    return cut_legs.begun(problem.adapted_to(z, problem.weighted(recurrence.magnitudes)), z)
 
 
 def _check_zeros(machine: HybridMachine, recurrence: HybridRecurrence) -> None:

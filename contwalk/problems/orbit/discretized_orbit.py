@@ -216,7 +216,7 @@ class DiscretizedOrbit(OrbitData):
     ) -> np.ndarray:
         """Unknowns from full states at the starts of the legs, their durations, and when the first begins.
 
-        Segments are not cut: see `cutting.filled`.
+        Segments are not cut: see `cut_legs.filled`.
 
         States have the shape (n,) each, durations (m,), drifts (k,); unknowns (N + 1,).
         """

@@ -105,7 +105,8 @@ def adapted(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
             if problem is orbit:
                 raise
             return problem, sample
-        if problem.linearize(sample.z).excess_in(sample.weights) > MISSED:
+        missed = problem.linearize(sample.z).excess_in(sample.weights) > MISSED
+        if missed and not orbit.in_closure:  # these are cut: where a field bends, other steps always miss
             return (orbit, sample) if born else _corrected(problem, sample)
     problem, sample = _begun_better(problem, sample)
     if not first:

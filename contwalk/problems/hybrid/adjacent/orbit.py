@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.problems.hybrid import cutting
+from contwalk.problems.hybrid import cut_legs
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.orbit.closure import imaged
@@ -99,7 +99,7 @@ def assembled(
     other, drifts = problem.of_itinerary(itinerary), z[problem.layout.drifts]
     unknowns = other.assembled(states, lasting, drifts, float(z[-1]), start if itinerary.eventful else 0.0)
     if problem.fitting(z).cuts > 1:
-        unknowns = cutting.copied(other, unknowns, start, discretized(problem, z), z)
+        unknowns = cut_legs.copied(other, unknowns, start, discretized(problem, z), z)
     return discretized(other, unknowns), unknowns
 
 
