@@ -5,34 +5,21 @@ AUTO is no part of contwalk. To have it (a Fortran compiler is needed):
     git clone https://github.com/auto-07p/auto-07p && cd auto-07p && ./configure && make
     CONTWALK_AUTO=/path/to/auto-07p python benchmarks/cascade.py
 
-Its equation file is written from the plugin: the field and its exact derivatives, parameters as constants,
-so that the compiler can fold them. AUTO's own object files are linked as they were built. Each stage is one
-start of the program that AUTO's front end would start, with one thread: balanced equilibrium to the Hopf
-point, limit cycle to the first period doubling, and three times on to the next.
+`auto_program.py` writes its equations from the plugin and starts it. Each stage is one start: balanced
+equilibrium to the Hopf point, limit cycle to the first period doubling, and three times on to the next.
 """
 
 from __future__ import annotations
 
-import os
-import re
 import shutil
-import subprocess
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cpu_time import seconds_of
+from auto_program import built, equation_file, run
 
 import contwalk as cw
-from contwalk.fields.derivative import jacobian
-from contwalk.fields.kernel import Kernel
-from contwalk.fields.trace import Program
-from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, field_program
 
 HOPF, PERIOD_DOUBLING = "3", "7"  # types in AUTO's output
-NOTHING_TO_SAY = "\n".join(
-    f"      SUBROUTINE {name}\n      END SUBROUTINE {name}" for name in ("BCND", "ICND", "FOPT", "PVLS")
-)
 
 
 @dataclass(frozen=True)
@@ -80,16 +67,7 @@ class Auto:
 
     def __init__(self, home: Path, folder: Path, delta: float) -> None:
         self.folder = folder
-        objects = sorted((home / "lib").glob("*.o"))
-        if not objects:
-            raise SystemExit(
-                f"CONTWALK_AUTO: no object files in {home / 'lib'}; run ./configure and make there."
-            )
-        (folder / "balancer.f90").write_text(equations(delta))
-        flags = ["-O3", "-march=native", "-fopenmp"]
-        subprocess.run(
-            ["gfortran", *flags, "balancer.f90", *map(str, objects), "-o", "balancer"], cwd=folder, check=True
-        )
+        built(home, folder, equations(delta))
 
     def cascade(self, setting: Setting) -> tuple[list[float], float]:
         """The parameter at the four period doublings, and CPU seconds of all five starts."""
@@ -104,17 +82,8 @@ class Auto:
         return found[1:], seconds
 
     def _stage(self, constants: str, solution: Path | None, label: str) -> tuple[float, float]:
-        for old in self.folder.glob("fort.*"):
-            old.unlink()
-        if solution is not None:
-            shutil.copy(solution, self.folder / "fort.3")
-        (self.folder / "fort.2").write_text(constants)
-        with (self.folder / "fort.2").open() as given:
-            seconds = seconds_of(
-                ["./balancer"], cwd=self.folder, stdin=given, env={**os.environ, "OMP_NUM_THREADS": "1"}
-            )
-        rows = [line.split() for line in (self.folder / "fort.7").read_text().splitlines()]
-        values = [float(row[4]) for row in rows if row and row[0] != "0" and row[2] == label]
+        seconds, rows = run(self.folder, constants, solution)
+        values = [row.value for row in rows if row.label == label]
         if not values:
             raise SystemExit(f"AUTO found no point of type {label} with these constants:\n{constants}")
         return seconds, values[-1]
@@ -142,79 +111,4 @@ def equations(delta: float) -> str:
     """AUTO's equation file of the autobalancer with heavy correction masses; PAR(1) is delta."""
     system = cw.load_system("autobalancer", {"masses": 2})
     values = {**system.presets["heavy"], "delta": delta}
-    start = system.named_states("balanced", values)[0]
-    program = field_program(system)
-    names, value = _fortran(program)
-    more, derivatives = _fortran(_with_derivatives(program, system.parameter_names.index("delta")))
-    # AUTO passes no room for the derivative by the parameter where it asks only for the Jacobian.
-    derivatives = derivatives.replace("        DFDP(", "        IF (IJAC == 2) DFDP(")
-    fixed = [
-        "delta" if name == "delta" else _double(repr(float(values[name]))) for name in system.parameter_names
-    ]
-    declared = "\n".join(f"      DOUBLE PRECISION {name}" for name in sorted({*names, *more}))
-    texts = [re.sub(r"p\((\d+)\)", lambda m: fixed[int(m[1]) - 1], text) for text in (value, derivatives)]
-    states = "\n".join(f"      U({i + 1}) = {_double(repr(float(x)))}" for i, x in enumerate(start))
-    return f"""      SUBROUTINE FUNC(NDIM, x, ICP, PAR, IJAC, F, DFDU, DFDP)
-      IMPLICIT NONE
-      INTEGER, INTENT(IN) :: NDIM, ICP(*), IJAC
-      DOUBLE PRECISION, INTENT(IN) :: x(NDIM), PAR(*)
-      DOUBLE PRECISION, INTENT(OUT) :: F(NDIM)
-      DOUBLE PRECISION, INTENT(INOUT) :: DFDU(NDIM, NDIM), DFDP(NDIM, *)
-      DOUBLE PRECISION delta
-{declared}
-      delta = PAR(1)
-      IF (IJAC == 0) THEN
-{texts[0]}
-      ELSE
-{texts[1]}
-      END IF
-      END SUBROUTINE FUNC
-
-      SUBROUTINE STPNT(NDIM, U, PAR, T)
-      IMPLICIT NONE
-      INTEGER, INTENT(IN) :: NDIM
-      DOUBLE PRECISION, INTENT(INOUT) :: U(NDIM), PAR(*)
-      DOUBLE PRECISION, INTENT(IN) :: T
-      PAR(1) = {_double(repr(delta))}
-{states}
-      END SUBROUTINE STPNT
-
-{NOTHING_TO_SAY}
-"""
-
-
-def _with_derivatives(program: Program, parameter: int) -> Program:
-    """The field, its Jacobian column by column, and its derivative by one parameter."""
-    graph = program.graph
-    along = [*(graph.input(STATE, i) for i in range(8)), graph.input(PARAMETER, parameter)]
-
-    def change(outputs: tuple[int, ...]) -> Sequence[int]:
-        rows = jacobian(graph, outputs, along)
-        return [*outputs, *(row.get(k, graph.zero) for k in range(9) for row in rows)]
-
-    return program.transformed(change)
-
-
-def _fortran(program: Program) -> tuple[list[str], str]:
-    """Names and statements of a program without conditions, from its Python text."""
-    lines = Kernel(program, [TIME, STATE, PARAMETER]).text.splitlines()[1:]
-    *statements, last = (line.strip() for line in lines)
-    targets = [f"F({i})" for i in range(1, 9)]
-    targets += [f"DFDU({i},{k})" for k in range(1, 9) for i in range(1, 9)]
-    targets += [f"DFDP({i},1)" for i in range(1, 9)]
-    results = last.removeprefix("return [").removesuffix("]").split(", ")
-    statements += [f"{target} = {result}" for target, result in zip(targets, results, strict=False)]
-    return [line.split(" = ")[0] for line in statements if line.startswith("t")], "\n".join(
-        "        " + _statement(line) for line in statements
-    )
-
-
-def _statement(line: str) -> str:
-    line = re.sub(r"\b([xp])\[(\d+)\]", lambda m: f"{m[1]}({int(m[2]) + 1})", line)
-    return _double(line.replace("sin_(", "SIN(").replace("cos_(", "COS("))
-
-
-def _double(text: str) -> str:
-    """Python's numbers as Fortran's of double precision."""
-    number = r"(?<![\w.])(\d+\.\d*)(?:e([+-]?\d+))?"
-    return re.sub(number, lambda m: f"{m[1]}d{m[2] or 0}", re.sub(r"(?<![\w.])(\d+)e", r"\1.0e", text))
+    return equation_file(system, values, "delta", system.named_states("balanced", values)[0])

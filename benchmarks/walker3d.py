@@ -47,7 +47,7 @@ from contwalk.errors import ContwalkError
 from contwalk.fields.llvm import Code, code_of
 from contwalk.flow.compiled.compiled_field import EACH
 from contwalk.flow.explicit import stages
-from contwalk.flow.explicit.runge_kutta import Call
+from contwalk.flow.explicit.driver_call import Call
 from contwalk.flow.hybrid.event_integrator import EventIntegrator
 from contwalk.flow.hybrid.event_map import StepMap
 from contwalk.flow.hybrid.event_records import ARRIVED

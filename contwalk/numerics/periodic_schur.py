@@ -21,6 +21,8 @@ GRADED = 1e-6
 EPSILON = float(np.finfo(float).eps)
 # Powers of two further apart than this are as good as zero beside each other.
 FARTHEST = 1000
+# So many powers of two, summed over all factors, are within the range of doubles.
+SAFE_POWERS = 900
 
 
 def product_eigenvalues(factors: Sequence[np.ndarray]) -> np.ndarray:
@@ -64,7 +66,12 @@ def scaled_product(entries: np.ndarray) -> np.ndarray:
     Partial products may lie far beyond the range of doubles where the whole lies in it: powers of two are
     taken out on the way.
     """
-    return _shifted(*_product_and_exponents(entries))
+    if not _within_range(entries):
+        return _shifted(*_product_and_exponents(entries))
+    product = np.ones(entries.shape[1], dtype=complex)
+    for row in entries:
+        product = product * row
+    return product
 
 
 def _product_and_exponents(entries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -75,6 +82,15 @@ def _product_and_exponents(entries: np.ndarray) -> tuple[np.ndarray, np.ndarray]
         _, shift = np.frexp(np.maximum(np.abs(product.real), np.abs(product.imag)))
         product, exponents = _shifted(product, -shift), exponents + shift
     return product, exponents
+
+
+def _within_range(entries: np.ndarray) -> bool:
+    """Whether no part of any partial product is beyond the range of doubles: then powers of two, which change
+    no digit, need not be taken out.
+    """
+    parts = np.abs(entries.view(float))
+    powers = np.abs(np.frexp(parts[parts > 0.0])[1])
+    return bool(np.isfinite(parts).all()) and int(powers.sum()) < SAFE_POWERS
 
 
 def _shifted(values: np.ndarray, exponents: np.ndarray) -> np.ndarray:

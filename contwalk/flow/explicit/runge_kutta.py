@@ -7,28 +7,25 @@ chosen the grid or the caller.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 
 import numpy as np
 
 from contwalk.flow.compiled.addresses import address
-from contwalk.flow.compiled.call_record import CallRecord
 from contwalk.flow.compiled.compiled_field import EACH, CompiledField
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.explicit import stages
 from contwalk.flow.explicit.batched_steps import MARCH_BATCHED, Paths, marched
-from contwalk.flow.explicit.columns import aligned, driving, padded
+from contwalk.flow.explicit.columns import aligned
+from contwalk.flow.explicit.driver_call import MARCH, Call, checked, method_of, times_of, undriven
 from contwalk.flow.explicit.explicit_call import (
     FIRST_ROWS,
     FULL,
     STATUS,
     Counts,
-    ExplicitCall,
     PolynomialCall,
     StepControl,
 )
 from contwalk.flow.path import ErrorControl, Path, Tangents
-from contwalk.flow.tableaus.runge_kutta import RungeKutta
 from contwalk.numerics.distinct import distinct
 
 Vector = Sequence[float] | np.ndarray
@@ -45,7 +42,6 @@ _MOST_KEPT = 4_000_000
 
 _DRIVERS = "contwalk.flow.explicit.drivers"
 ADAPTIVE = Entry(_DRIVERS, "adaptive", "q", "qdddd")
-MARCH = Entry(_DRIVERS, "march", "q", "q")
 MARCH_EACH = Entry(_DRIVERS, "march_each", "q", "q")
 LEAP = Entry(_DRIVERS, "leap", "q", "qq")
 POLYNOMIALS = Entry(_DRIVERS, "polynomials", "q", "q")
@@ -58,116 +54,6 @@ def warmup() -> None:
         _ = entry.address
     for name in stages.TABLEAUS:
         stages.code(name)
-
-
-class Form:
-    """What all calls of a method with so many tangents of a field have in common.
-
-    `record` is what a driver is told of it; it is copied, and never written to.
-    """
-
-    def __init__(self, field: CompiledField, method: str, columns: int) -> None:
-        self.method = _method(method)
-        self.start = padded(field.n)
-        self.width = padded(columns)
-        self.length = self.start + field.n * self.width
-        self.vectors = stages.vectors(self.method)
-        self._dense = _weights_of(method, self.vectors - stages.FIRST)
-        code = stages.code(method)
-        self.record = ExplicitCall(
-            step=code.addresses["step"],
-            error=code.addresses["error"],
-            extend=code.addresses.get("extend", 0),
-            evaluate=code.addresses["tangent" if columns else "plain"],
-            n=field.n,
-            length=self.length,
-            vectors=self.vectors,
-            last_stage=stages.FIRST + self.method.stages - 1,
-            dense=address(self._dense),
-            rows=len(self._dense),
-        )
-
-
-class Call:
-    """The memory of one call, and the record that tells a driver of it."""
-
-    def __init__(
-        self, field: CompiledField, c: np.ndarray, method: str, x0: Vector | None, columns: int = 0
-    ) -> None:
-        form = field.forms.get((method, columns))
-        if form is None:
-            form = field.forms[method, columns] = Form(field, method, columns)
-        self.field, self.method = field, form.method
-        self.start, self.width, self.length = form.start, form.width, form.length
-        self.vectors = aligned(form.vectors, self.length)
-        self._c = _checked(c, (max(field.constant_count, 1),), "constants")
-        if x0 is not None:
-            self.vectors[stages.Y, : field.n] = _checked(x0, (field.n,), "start")
-        self._kept: list[np.ndarray | CallRecord] = []
-        self._inverse: np.ndarray | None = None
-        self.record = ExplicitCall.from_buffer_copy(form.record)
-        self.record.work = address(self.vectors)
-        if not columns:
-            self.give("problem", np.array([field.rhs_address, address(self._c)], dtype=np.int64))
-
-    def give(self, name: str, array: np.ndarray) -> np.ndarray:
-        """Put an array of any shape where the driver finds it: its address into a field of the record."""
-        self._kept.append(array)
-        setattr(self.record, name, address(array))
-        return array
-
-    def controlled(self, control: StepControl, counts: Counts) -> None:
-        """Tell the driver where it remembers what error control needs, and where it counts its work."""
-        self._kept += [control, counts]
-        self.record.control, self.record.counts = control.address, counts.address
-
-    def weigh(self, weights: Vector) -> None:
-        """Tell the driver by which magnitudes, shape (n,), errors are measured."""
-        n = self.field.n
-        given = _checked(weights, (n,), "weights")
-        if not (given > 0.0).all():
-            raise ValueError("weights are positive")
-        if self._inverse is None:
-            self._inverse = self.give("inverse_weights", np.zeros(self.length))
-        self._inverse[:n] = 1.0 / given
-
-    def tangents(self, x: np.ndarray, sources: Sequence[int] | np.ndarray) -> None:
-        """Begin with these tangents, shape (n, q), each driven by its parameter column."""
-        self.drive(x.shape[1], sources)
-        self.split(self.vectors[stages.Y])[1][:, : x.shape[1]] = x
-
-    def drive(self, q: int, sources: Sequence[int] | np.ndarray) -> None:
-        """Tell the driver of q tangents, each driven by its parameter column: `sources`, shape (q,)."""
-        field = self.field
-        if len(sources) != q:
-            raise _undriven(field, q, sources)
-        driven = driving(field.k, self.width, sources)
-        buffer = np.empty(field.n + len(field.col))
-        self._kept += [driven, buffer]
-        addresses = [field.rhs_jac_address, address(self._c), field.product_address]
-        addresses += [
-            self.width // stages.WIDTH,
-            address(driven),
-            address(buffer),
-            field.n,
-            self.start,
-        ]
-        self.give("problem", np.array(addresses, dtype=np.int64))
-
-    def split(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """States (.., n) and padded tangents (.., n, width) of vectors, shape (.., length), as views."""
-        n, shape = self.field.n, (*vectors.shape[:-1], self.field.n, self.width)
-        return vectors[..., :n], vectors[..., self.start :].reshape(shape)
-
-    def march(self, times: Vector, every: bool) -> np.ndarray:
-        """Vectors at the s given times, or at the last one: shape (s, length), or (1, length)."""
-        grid = self.give("times", _grid(times))
-        nodes = np.empty((len(grid) if every else 1, self.length))
-        nodes[0] = self.vectors[stages.Y]
-        self.give("nodes", nodes)
-        self.record.room, self.record.every = len(grid) - 1, every
-        MARCH(self.record.address)
-        return nodes
 
 
 def adaptive(
@@ -191,6 +77,7 @@ def adaptive(
             break
         times = np.concatenate([times, np.empty(len(times))])
         nodes = np.concatenate([nodes, np.empty_like(nodes)])
+    call.over()
     steps = counts.steps
     return Path(
         times=times[: steps + 1].copy(),
@@ -205,7 +92,9 @@ def adaptive(
 def along(field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str) -> np.ndarray:
     """As `integrate.along`."""
     call = Call(field, c, method, x0)
-    return call.march(times, True)[:, : field.n].copy()
+    nodes = call.march(times, True)
+    call.over()
+    return nodes[:, : field.n].copy()
 
 
 def tangents(
@@ -223,15 +112,16 @@ def tangents(
     if q == 0:
         states = along(field, c, times, x0, method)
         return (states, np.empty((len(states), field.n, 0))) if every else (states[-1], start.copy())
-    grid = _grid(times)
+    grid = times_of(times)
     if not every and (grid[1:] != grid[:-1]).all():
-        state = _checked(x0, (field.n,), "start")[None]
+        state = checked(x0, (field.n,), "start")[None]
         states, derivatives = along_with_tangents(field, c, grid, state, given, method)
         return states[-1].copy(), derivatives[0]
     call = Call(field, c, method, x0, q)
     call.tangents(start, given.sources)
     x, derivatives = call.split(call.march(times, every))
     x, derivatives = x.copy(), derivatives[..., :q].copy()
+    call.over()
     return (x, derivatives) if every else (x[0], derivatives[0])
 
 
@@ -239,12 +129,12 @@ def along_with_tangents(
     field: CompiledField, c: np.ndarray, times: Vector, x0: np.ndarray, given: Tangents, method: str
 ) -> tuple[np.ndarray, np.ndarray]:
     """As `integrate.along_with_tangents`."""
-    start, grid = _tangents(field, given.start), _grid(times)
+    start, grid = _tangents(field, given.start), times_of(times)
     q, paths = start.shape[1], 1 + int(np.count_nonzero(grid[1:] == grid[:-1]))
-    starts = _checked(x0, (paths, field.n), "starts")
+    starts = checked(x0, (paths, field.n), "starts")
     if len(given.sources) != q:
-        raise _undriven(field, q, given.sources)
-    constants = _checked(c, (max(field.constant_count, 1),), "constants")
+        raise undriven(field, q, given.sources)
+    constants = checked(c, (max(field.constant_count, 1),), "constants")
     found = marched(field, Paths(constants, grid, starts, start), given.sources, method)
     if found is not None:
         return found
@@ -258,11 +148,8 @@ def along_with_tangents(
     call.give("times", grid)
     call.record.room = len(grid) - 1
     MARCH_EACH(call.record.address)
+    call.over()
     return states, derivatives[..., :q].copy()
-
-
-def _undriven(field: CompiledField, q: int, sources: Sequence[int] | np.ndarray) -> ValueError:
-    return ValueError(f"{q} tangents of a field with {field.k} columns are driven by {list(sources)}")
 
 
 def _tangents(field: CompiledField, given: np.ndarray) -> np.ndarray:
@@ -280,6 +167,7 @@ def errors_on(
     call.weigh(weights)
     errors = call.give("errors", np.empty(max(len(times) - 1, 1)))
     call.march(times, False)
+    call.over()
     return errors[: len(times) - 1]
 
 
@@ -290,8 +178,8 @@ def dense(
 
     DOP853 interpolates by polynomials of degree 7. Verner's pair takes a shorter step from the node before.
     """
-    grid, wanted = _grid(times), np.ascontiguousarray(t_values, dtype=float)
-    nodes = _checked(states, (len(grid), field.n), "nodes")
+    grid, wanted = times_of(times), np.ascontiguousarray(t_values, dtype=float)
+    nodes = checked(states, (len(grid), field.n), "nodes")
     found = np.full((len(wanted), field.n), np.nan)
     direction = 1.0 if grid[-1] >= grid[0] else -1.0
     inside = np.flatnonzero((direction * (wanted - grid[0]) >= 0) & (direction * (grid[-1] - wanted) >= 0))
@@ -303,6 +191,7 @@ def dense(
     call.give("nodes", nodes)
     between = _interpolated if call.method.dense else _leapt
     found[inside] = between(call, direction * grid, nodes, direction * wanted[inside], wanted[inside])
+    call.over()
     return found
 
 
@@ -375,17 +264,6 @@ def _polynomial(
     return out
 
 
-@lru_cache
-def _weights_of(name: str, vectors: int) -> np.ndarray:
-    """What each stage contributes to the further coefficients, shape (rows, stages)."""
-    method = _method(name)
-    weights = np.zeros((len(method.dense), vectors))
-    for row, entries in zip(weights, method.dense, strict=True):
-        for stage, d in entries.items():
-            row[stage] = d
-    return weights
-
-
 class Interpolation:
     """The motion between the nodes of a path; its polynomials are made once.
 
@@ -397,17 +275,18 @@ class Interpolation:
     ) -> None:
         self._given = field, c, times, states
         self._method = method
-        self._grid = _grid(times)
-        self._nodes = _checked(states, (len(self._grid), field.n), "nodes")
+        self._grid = times_of(times)
+        self._nodes = checked(states, (len(self._grid), field.n), "nodes")
         self._coefficients: np.ndarray | None = None
         # Where a path begins anew there is no polynomial.
         moves = self._grid[1:] > self._grid[:-1]
-        if _method(method).dense and moves.any():
+        if method_of(method).dense and moves.any():
             call = Call(field, c, method, None)
             call.give("times", self._grid)
             call.give("nodes", self._nodes)
             self._own = np.cumsum(moves) - 1
             self._coefficients = _coefficients(call, np.flatnonzero(moves))
+            call.over()
 
     def __call__(self, times: Vector) -> np.ndarray:
         """States at times within the path."""
@@ -415,23 +294,3 @@ class Interpolation:
         if self._coefficients is None:
             return dense(*self._given, at, self._method)
         return _polynomial(self._grid, self._nodes, self._coefficients, self._own, at)
-
-
-def _method(name: str) -> RungeKutta:
-    if name not in stages.TABLEAUS:
-        raise ValueError(f"'{name}' is none of {', '.join(stages.TABLEAUS)}")
-    return stages.TABLEAUS[name]
-
-
-def _grid(times: Vector) -> np.ndarray:
-    grid = np.ascontiguousarray(times, dtype=float)
-    if grid.ndim != 1 or len(grid) == 0:
-        raise ValueError(f"a grid of shape {grid.shape}")
-    return grid
-
-
-def _checked(values: Vector, shape: tuple[int, ...], what: str) -> np.ndarray:
-    array = np.ascontiguousarray(values, dtype=float)
-    if array.shape != shape:
-        raise ValueError(f"{what} of shape {array.shape} instead of {shape}")
-    return array

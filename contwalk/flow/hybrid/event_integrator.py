@@ -12,8 +12,8 @@ from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.events.guard_code import OUTPUTS
 from contwalk.flow.explicit import stages
+from contwalk.flow.explicit.driver_call import Call
 from contwalk.flow.explicit.explicit_call import Counts, StepControl
-from contwalk.flow.explicit.runge_kutta import Call
 from contwalk.flow.hybrid import guard_taylor
 from contwalk.flow.hybrid.event_records import (
     MOST_BITS,

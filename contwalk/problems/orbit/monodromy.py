@@ -13,6 +13,7 @@ from contwalk.numerics.linear import norm_in
 from contwalk.problems import conserving
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.layout import Segment
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.multipliers import Multipliers, multipliers, of_sections
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.shooting import velocity
@@ -133,6 +134,10 @@ def flow_direction(orbit: OrbitData, z: np.ndarray, i: int, j: int = 0) -> np.nd
     z has the shape (N + 1,), the direction (n_i,), or (n_i + 1,) with the time. It is kept: do not change it.
     """
 
+    if orbit.in_closure and not orbit.forced:
+        own: np.ndarray = flow_directions(orbit, z)[j]
+        return own
+
     def made() -> np.ndarray:
         x, scalars = orbit.layout.inputs_of(orbit.layout.segments_of(i)[j], z)
         scalars, unknown = scalars.copy(), not (orbit.in_closure and orbit.forced)
@@ -148,10 +153,31 @@ def flow_direction(orbit: OrbitData, z: np.ndarray, i: int, j: int = 0) -> np.nd
     return orbit.known.at(f"flow {i} {j}", z, MOST_KEPT, made)
 
 
+def flow_directions(orbit: OrbitData, z: np.ndarray) -> np.ndarray:
+    """`flow_direction` where each segment of an autonomous closure starts, shape (m, n): one call of compiled
+    code for all. z has the shape (N + 1,).
+    """
+
+    def made() -> np.ndarray:
+        _, scalars = orbit.layout.inputs_of(orbit.layout.segments[0], z)
+        duration = scalars[0] if scalars[0] != 0.0 else 1.0
+        field = orbit.passages[0].field(PLAIN)
+        c = field.constants(np.concatenate([[duration], scalars[1:], orbit.line.constants]))
+        starts = z[: orbit.layout.durations.start].reshape(len(orbit.layout.segments), -1)
+        found = field.along(np.zeros(len(starts)), starts, c) / duration
+        found[~np.isfinite(found).all(axis=1)] = np.nan  # as one that is asked for alone
+        found.flags.writeable = False
+        return found
+
+    return orbit.known.at("flows", z, MOST_KEPT, made)
+
+
 def pinned_directions(orbit: OrbitData, z: np.ndarray, i: int, j: int = 0) -> list[np.ndarray]:
     """Generators of the pinned directions at the start of leg i, or of its segment j, as `flow_direction`
     has the flow's.
     """
+    if not orbit.pins:
+        return []
     x = orbit.passages[i].full(z[orbit.layout.segments_of(i)[j].states])
     along = neutrals.directions(orbit.system, orbit.pins, x, orbit.values_of(z))
     own = along[list(orbit.passages[i].states)]
@@ -247,22 +273,37 @@ def _sections(
 
 def _of_closure(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
     """Multipliers of one leg that no event ends, by its segments, without the flow's own and pinned ones."""
-    (segments,), becoming, leaving, ends = chain(orbit, jacobian), becoming_of(orbit, z), [], z.copy()
+    (segments,), ends = chain(orbit, jacobian), z.copy()
     if not all(np.all(np.isfinite(factor)) for factor in segments):
         size = orbit.spectrum_size
         return Multipliers(np.full(size, np.nan + 0j), np.full(size, np.inf), 1.0)
-    for j, factor in enumerate(segments):
-        leaving.append(neutral_directions(orbit, z, 0, j, becoming))
-        becoming = None if becoming is None else factor @ becoming
-    arriving = None
+    leaving, arriving = _left_out_along(orbit, z, segments), None
     if orbit.moves(z):  # where each segment arrives, but for the gap that the solution has left
-        residual, m = orbit.linearize(z).residual, len(segments)
+        residual = orbit.linearize(z).residual
         for segment in orbit.layout.segments:
             ends[segment.following] += residual[segment.ends]
-        arriving = [neutral_directions(orbit, ends, 0, (j + 1) % m) for j in range(m)]
+        arriving = np.roll(_left_out_along(orbit, ends), -1, axis=0)
     tolerance = orbit.mesh.amplified * orbit.mesh.tolerance
     gradients = len(orbit.system.conserved)
     return multipliers(segments, leaving, orbit.extended(0), tolerance, arriving, gradients=gradients)
+
+
+def _left_out_along(
+    orbit: OrbitData, z: np.ndarray, factors: Sequence[np.ndarray] | None = None
+) -> np.ndarray:
+    """`neutral_directions` at the starts of all segments of one leg that no event ends, shape (m, n, k).
+
+    Given the segments' factors, what stands for the flow where nothing moves yet is carried along by them.
+    """
+    becoming = None if factors is None else becoming_of(orbit, z)
+    flow_alone = orbit.in_closure and not (orbit.forced or orbit.pins or orbit.system.conserved)
+    if flow_alone and becoming is None:
+        return flow_directions(orbit, z)[:, :, None]
+    found = []
+    for j in range(len(orbit.layout.segments)):
+        found.append(neutral_directions(orbit, z, 0, j, becoming))
+        becoming = None if becoming is None or factors is None else factors[j] @ becoming
+    return np.array(found)
 
 
 def trivial_error(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> float:

@@ -11,6 +11,8 @@ from contwalk.problems.orbit.shooting import velocity
 
 # An orbit that would go a smaller part of its magnitudes in one closure is a point: it has no section.
 STILL = 1e-9
+# Solutions of which the velocities are kept: several tests ask for them.
+MOST_KEPT = 4
 
 
 def section_through(
@@ -52,11 +54,16 @@ def into_section(orbit: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) ->
 
 def velocities(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """dx/dt where the segments of a closure start, in units of its duration, shape (m, n); NaN in a row of
-    which one entry does not exist. z has the shape (N + 1,).
+    which one entry does not exist. z has the shape (N + 1,). They are kept: do not change them.
     """
-    found = orbit.view(z)[0].rates_at(orbit.mesh.cuts, orbit.starts(z))
-    found[~np.isfinite(found).all(axis=1)] = np.nan
-    return found
+
+    def made() -> np.ndarray:
+        found = orbit.view(z)[0].rates_at(orbit.mesh.cuts, orbit.starts(z))
+        found[~np.isfinite(found).all(axis=1)] = np.nan
+        found.flags.writeable = False
+        return found
+
+    return orbit.known.at("velocities", z, MOST_KEPT, made)
 
 
 def speeds_of(orbit: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
