@@ -121,12 +121,20 @@ def swinging(
 ) -> Limit | None:
     """lambda - lambda_h = Re(c exp(exponent T)): c from the slopes at two periods, shape (2,), and of some
     exponents the one that tells the way between both best.
+
+    Between two orbits of nearly the same period each of them tells the way. So the error covers what all say
+    that agree with it, and there is no limit where the orbits are too near to each other for one of them.
     """
+    apart = samples[1].period - samples[0].period
     found = [_swing(exponent, samples, slopes) for exponent in exponents]
-    off, amplitude = min((x for x in found if x is not None), key=lambda x: x[0], default=(np.inf, 0j))
-    if off > LAWFUL:
+    if any(x is None and abs(e.imag) * apart < 1.0 for x, e in zip(found, exponents, strict=True)):
         return None
-    return Limit(-amplitude.real, abs(amplitude), abs(amplitude))
+    lawful = [x for x in found if x is not None and x[0] <= LAWFUL]
+    if not lawful:
+        return None
+    amplitude = min(lawful, key=lambda x: x[0])[1]
+    error = max(abs(other) + abs(other.real - amplitude.real) for _, other in lawful)
+    return Limit(-amplitude.real, error, max(abs(other) for _, other in lawful))
 
 
 def _swing(

@@ -284,8 +284,9 @@ def _of_closure(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> Multip
             ends[segment.following] += residual[segment.ends]
         arriving = np.roll(_left_out_along(orbit, ends), -1, axis=0)
     tolerance = orbit.mesh.amplified * orbit.mesh.tolerance
-    gradients = len(orbit.system.conserved)
-    return multipliers(segments, leaving, orbit.extended(0), tolerance, arriving, gradients=gradients)
+    given = segments, leaving, orbit.extended(0), tolerance, arriving
+    positive = not (orbit.itinerary.image or orbit.forced)
+    return multipliers(*given, gradients=len(orbit.system.conserved), positive=positive)
 
 
 def _left_out_along(

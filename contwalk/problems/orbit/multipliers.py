@@ -144,6 +144,7 @@ def multipliers(
     tolerance: float,
     arriving: Matrices | None = None,
     gradients: int = 0,
+    positive: bool = False,
 ) -> Multipliers:
     """Multipliers of the product of the segments' derivatives.
 
@@ -166,6 +167,9 @@ def multipliers(
         So many of the last directions are gradients of conserved quantities (`conserving.raised`): what is at
         a right angle to them stays so, and they themselves are carried elsewhere. Moduli of one are common
         then: no multiplier counts as better known than the steps allow.
+    positive : bool
+        Whether what is left, if it is one, is positive: so it is of a flow, which turns nothing over. Steps
+        that let deviations decay fast have any sign.
     """
     scaled = np.asarray(factors) / magnitudes[:, None] * magnitudes
     sizes = np.maximum(np.linalg.norm(scaled, 2, axis=(1, 2)), LEAST)
@@ -176,6 +180,8 @@ def multipliers(
     if not quotients.shape[1]:
         return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
     values, errors = _eigenvalues(list(quotients), sizes)
+    if positive and len(values) == 1:
+        values = np.abs(values).astype(complex)
     coarser = 1.0 + GLOBAL * tolerance / ROUNDING
     leak = np.zeros(len(values))
     if arriving is not None and bases is not None:

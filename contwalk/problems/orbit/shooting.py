@@ -98,7 +98,7 @@ class Mesh:
         nearest = after - (cuts - times[after - 1] < times[after] - cuts)
         bounds = np.append(distinct(nearest), len(times) - 1)
         steps = tuple(times[first : last + 1] for first, last in pairwise(bounds) if last > first)
-        return replace(self, steps=steps)
+        return replace(self, steps=steps, grown=())  # what was seen was over others
 
     def begun(self, time: float) -> tuple[Mesh, float]:
         """The same steps in one segment that begins at the step next to a time, and when that is."""

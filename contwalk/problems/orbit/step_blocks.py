@@ -123,7 +123,10 @@ def multipliers_of(orbit: DiscretizedOrbit, z: np.ndarray, becoming: np.ndarray 
     elif orbit.moves(z):
         arriving = _directions(orbit, z, steps.arrived[lasts], steps.ends[lasts])
     tolerance = orbit.mesh.amplified * orbit.mesh.tolerance
-    return multipliers(factors, leaving, units, tolerance, arriving, gradients=len(orbit.system.conserved))
+    given = factors, leaving, units, tolerance, arriving
+    return multipliers(
+        *given, gradients=len(orbit.system.conserved), positive=not (orbit.itinerary.image or orbit.forced)
+    )
 
 
 def _directions(orbit: DiscretizedOrbit, z: np.ndarray, states: np.ndarray, times: np.ndarray) -> np.ndarray:

@@ -129,6 +129,21 @@ def samples(law, *periods):
     return tuple(SimpleNamespace(weights=np.ones(1), period=t, z=np.array([law(t)])) for t in periods), slopes
 
 
+@pytest.mark.parametrize("lasting", [0.126, 0.32, 1.0, 4.0])
+def test_orbits_of_nearly_one_period_tell_no_exponent(lasting):
+    """Past two saddle-foci in a round the family swings half as fast: from near orbits either law fits."""
+    exponent, passed = complex(-0.274, 0.628), 3e-4
+    law = lambda t: (np.exp(0.5 * exponent * t + 0.4j)).real + passed * np.exp(exponent * t).real  # noqa: E731
+    told = 0
+    for begin in np.arange(60.0, 90.0, 1.7):
+        pair, slopes = samples(law, begin, begin + lasting)
+        limit = swinging([exponent, 0.5 * exponent], pair, slopes)
+        if limit is not None:
+            told += 1
+            assert abs(limit.rest + law(begin + lasting)) <= limit.error
+    assert told or lasting < 0.3
+
+
 def test_the_law_of_a_saddle():
     law = lambda t: 2.0 + 3.0 * np.exp(-0.7 * t)  # noqa: E731
     pair, slopes = samples(law, 10.0, 10.5)
