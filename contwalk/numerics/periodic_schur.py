@@ -60,6 +60,23 @@ def product_eigenvalues(factors: Sequence[np.ndarray]) -> np.ndarray:
     raise np.linalg.LinAlgError("the periodic QR iteration does not converge")
 
 
+def conjugates(values: np.ndarray) -> np.ndarray:
+    """Complex eigenvalues of a real product, shape (r,), as exact conjugates, which complex arithmetic leaves
+    only nearly so.
+    """
+    values = values.copy()
+    upper = np.flatnonzero(values.imag > 0.0)
+    lower = list(np.flatnonzero(values.imag < 0.0))
+    for k in upper:
+        if not lower:
+            break
+        partner = min(lower, key=lambda j: abs(values[j] - np.conj(values[k])))
+        lower.remove(partner)
+        mean = 0.5 * (values[k] + np.conj(values[partner]))
+        values[k], values[partner] = mean, np.conj(mean)
+    return values
+
+
 def scaled_product(entries: np.ndarray) -> np.ndarray:
     """Products over the first axis of complex numbers (m, r), shape (r,).
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.numerics import krein
-from contwalk.numerics.periodic_schur import product_eigenvalues
+from contwalk.numerics.periodic_schur import conjugates, product_eigenvalues
 from contwalk.numerics.spectrum import complement
 
 Matrices = np.ndarray | Sequence[np.ndarray]
@@ -53,6 +53,10 @@ class Multipliers:
     accuracies : ndarray, shape (r,), optional
         As `accuracy`, of each: beside a large one, a small one is known better than that. None where no
         more is known than the first one's.
+    of_sums : float, optional
+        What the steps do to their sum: where two meet it is known better than they are.
+    own : ndarray of bool, shape (r,), optional
+        The one that is a family's own beside pairs: it tells no stability, and comes last.
     """
 
     values: np.ndarray
@@ -61,6 +65,8 @@ class Multipliers:
     paired: np.ndarray | None = None
     bordering: np.ndarray | None = None
     accuracies: np.ndarray | None = None
+    of_sums: float | None = None
+    own: np.ndarray | None = None
 
     @property
     def measures(self) -> np.ndarray:
@@ -76,6 +82,8 @@ class Multipliers:
             half = 0.5 * np.abs((self.values + 1.0 / self.values).real) - 1.0
         if self.paired is not None:
             found = np.where(self.paired & (np.abs(self.values) >= self._within), half, found)
+        if self.own is not None:
+            found = np.where(self.own, -1.0, found)
         return found if self.bordering is None else np.where(self.bordering, half, found)
 
     @property
@@ -121,7 +129,29 @@ class Multipliers:
         own = (off <= (SAFELY if zero else 1.0) * known) & (self.values.imag == 0.0)
         errors = np.where(own, np.maximum(self.errors, np.maximum(known, off)), self.errors)
         # It is one: by what it differs from that, others may be wrong as well.
-        return replace(self, errors=errors, accuracy=float(np.max(off[own], initial=self.accuracy)))
+        found = replace(self, errors=errors, accuracy=float(np.max(off[own], initial=self.accuracy)))
+        return found._in_pairs(int(np.argmin(np.where(own, off, np.inf)))) if np.any(own) else found
+
+    def _in_pairs(self, own: int) -> Multipliers:
+        """The same with all but the family's own one as pairs mu, 1/mu, if that is what they are.
+
+        A machine that conserves something at a single value of the parameter does not turn off the unit
+        circle there: moduli of such pairs are errors of the steps, which would be told as crossings.
+        """
+        rest = np.arange(len(self.values)) != own
+        if self.of_sums is None or rest.sum() < 2 or rest.sum() % 2:
+            return self
+        others = Multipliers(self.values[rest], self.errors[rest], self.accuracy)
+        paired = reciprocal(others, self.of_sums).paired
+        if paired is None or not paired.all():
+            return self
+        errors = np.where(rest, self.of_sums, self.errors)
+        told = replace(self, errors=errors, paired=rest, own=~rest)
+        moduli = np.where(rest, np.where(self.values.imag != 0.0, 1.0, np.abs(self.values)), 0.0)
+        order = np.lexsort((-self.values.imag, -told.measures, -moduli))
+        each = None if self.accuracies is None else self.accuracies[order]
+        paired, values = rest[order], self.values[order]
+        return replace(told, values=values, errors=errors[order], accuracies=each, paired=paired, own=~paired)
 
     def unstable(self, before: int | None) -> int:
         """Number of multipliers outside the unit circle.
@@ -190,11 +220,12 @@ def multipliers(
     each = np.maximum(errors * coarser, leak)
     doubted = np.where(lost, np.maximum(errors, leak / UNKNOWN), errors)
     found = Multipliers(values, doubted, float(each[0]), accuracies=each)
-    if not gradients:
-        return _bordering(found)
+    if not gradients and len(values) < 3:
+        return found
     whole = np.linalg.multi_dot(list(scaled[::-1])) if len(scaled) > 1 else scaled[0]
-    error = ROUNDING * coarser * max(1.0, *sizes, float(np.linalg.norm(whole, 2)))
-    return _bordering(reciprocal(found, error))
+    error = ROUNDING * coarser * max(1.0, *sizes, float(np.linalg.norm(np.nan_to_num(whole), 2)))
+    found = replace(found, of_sums=error)
+    return _bordering(reciprocal(found, error) if gradients else found)
 
 
 def of_sections(
@@ -355,27 +386,10 @@ def _product(
         return _single(product, float(np.prod(sizes)))
     # The factors are real: what is left of an imaginary part by the complex arithmetic is rounding.
     values = np.where(np.abs(values.imag) <= REAL * np.abs(values), values.real, values).astype(complex)
-    values = _paired(values)
+    values = conjugates(values)
     # A factor is wrong by the rounding of its norm; what that does to an eigenvalue depends on how far its
     # own growth is from the largest, segment by segment.
     m = len(factors)
     largest = float(np.prod([size ** (1.0 / m) for size in sizes]))
     own = np.maximum(np.abs(values), LEAST) ** (1.0 / m)
     return values, np.abs(values) * m * ROUNDING * np.maximum(largest / own, 1.0)
-
-
-def _paired(values: np.ndarray) -> np.ndarray:
-    """Complex eigenvalues of a real product as exact conjugates, which complex arithmetic leaves only
-    nearly so.
-    """
-    values = values.copy()
-    upper = np.flatnonzero(values.imag > 0.0)
-    lower = list(np.flatnonzero(values.imag < 0.0))
-    for k in upper:
-        if not lower:
-            break
-        partner = min(lower, key=lambda j: abs(values[j] - np.conj(values[k])))
-        lower.remove(partner)
-        mean = 0.5 * (values[k] + np.conj(values[partner]))
-        values[k], values[partner] = mean, np.conj(mean)
-    return values
