@@ -49,3 +49,18 @@ def test_a_pair_on_the_circle_tells_where_it_meets_and_nothing_else():
     for row in cycles.points[2::6]:
         half = abs(half_trace(row["state"], float(row["period"])))
         assert abs(half - 1.0) < 1e-8 or int(row["unstable"]) == int(half > 1.0)
+
+
+def test_cycles_born_where_two_pairs_have_one_frequency():
+    """As those of Henon and Heiles: the equations of the first order are singular there in two directions."""
+
+    def alike(t, x, p, dx):
+        coupled(t, x, p, dx)
+        dx[3] += (STIFFER * STIFFER - 1.0) * x[1]
+
+    problem = small_problem(alike, "xyuv", {"mu": -0.2}, "mu")
+    equilibria = cw.continue_branch(problem, [0.0] * 4, RANGE)
+    cycles = cw.switch_branch(problem, equilibria, "HB1", RANGE, max_points=6)
+    assert cycles.outcome.reason == "max_points", cycles.outcome
+    assert np.abs(cycles["mu"]).max() < 1e-6
+    np.testing.assert_allclose(cycles["period"][0], 2.0 * np.pi, rtol=1e-12)

@@ -49,10 +49,10 @@ class CycleSizes:
             return -np.column_stack([self._equilibrium.solve_states(self._z, unit) for unit in np.eye(n)])
         matrix = 1j * k * self._omega * np.eye(n) - self._a
         if k > 1:
-            return np.linalg.inv(matrix)
+            return _inverse_of(matrix)
         border = self.right / self._first.max(), left / np.linalg.norm(left)
         bordered = np.block([[matrix, border[0][:, None]], [border[1][None, :], np.zeros((1, 1))]])
-        return np.linalg.inv(bordered)[:n, :n]
+        return _inverse_of(bordered)[:n, :n]
 
     def __call__(self, change: float) -> np.ndarray:
         """Half of what each state moves by, or what its mean does, shape (n,): positive."""
@@ -120,3 +120,11 @@ def _square_per_change(point: SpecialPoint) -> float:
     omega, l1 = float(point.coefficients["omega"]), abs(float(point.coefficients["l1"]))
     rate = abs(float(point.coefficients["crossing_rate"]))
     return rate / (omega * l1) if point.criticality is not None else 0.0
+
+
+def _inverse_of(matrix: np.ndarray) -> np.ndarray:
+    """The inverse, shape (n, n); of what a resonance of two pairs makes singular, the shortest solutions."""
+    try:
+        return np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(matrix)
