@@ -24,6 +24,7 @@ LINE: dict[str, Any] = {"linewidth": 1.6, "solid_capstyle": "round"}
 SADDLE: dict[str, Any] = {"linewidth": 1.0, "linestyle": (0, (1.0, 2.0))}
 # The colour of a curve is by what it is of.
 OF = ("LP", "HB", "BP", "PD", "NS", "GR", "OC", "AZ")
+COLORS = (*PALETTE, "#8C564B", "#44337A")  # the last one is of kinds that somebody else adds
 # A curve of a marked value is a contour: nothing happens on it.
 CONTOUR: dict[str, Any] = {"linewidth": 0.9, "solid_capstyle": "round"}
 
@@ -92,7 +93,7 @@ def _color(branch: Branch) -> str:
     of = str(branch.info.settings["of"])
     if of == MARK:
         return GREY
-    return PALETTE[(OF.index(of) if of in OF else len(OF)) % len(PALETTE)]
+    return COLORS[OF.index(of) if of in OF else len(OF)]
 
 
 def saddles(branch: Branch) -> np.ndarray:

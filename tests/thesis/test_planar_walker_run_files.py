@@ -16,7 +16,12 @@ pytestmark = pytest.mark.thesis
 
 NAMES = sorted(path.stem for path in RUNS.glob("planar_*.yaml") if not path.stem.endswith("_basin"))
 # The study of the slope with less of it: other tests compute the whole.
-NARROWED = {"planar_slope": ("continue.range=[0.085, 0.1]", "diagram=none")}
+_LITTLE = ("continue.range=[0.085, 0.1]", "diagram=none")
+NARROWED = {
+    "planar_slope": _LITTLE,
+    "planar_foot_radius_curves": (*_LITTLE, "loci.range=[0.115, 0.125]"),
+    "planar_inertia_curves": (*_LITTLE, "loci.range=[0.0, 0.001]"),
+}
 WALKS = {
     "planar_gait": (GAIT["x"], GAIT["T_step"], GAIT["multipliers"][0]),
     "planar_gait_small_feet": (FEET["points"][-1]["x"], FEET["points"][-1]["T"], None),

@@ -11,6 +11,7 @@ from contwalk.numerics.broyden import broyden_step
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.limited_orbit import Kind
 from contwalk.problems.orbit.scales import cycle_scales
+from contwalk.problems.parameter_line import ParameterLine
 
 # Corrections of what is eliminated, and a residual of it that is solved, in units of its level: what is left
 # of it enters the other equations, to first order.
@@ -142,6 +143,46 @@ class Eliminated(Generic[Kind]):
         The tangent has the shape (N + 1,).
         """
         return self.grouping.joined(tangent, self.slope @ tangent)
+
+
+class OnLine(Eliminated[Kind]):
+    """What is known of an orbit as where solutions on another line through the parameters begin.
+
+    Nothing is solved on that line yet: the derivatives are those of the line that it was solved on.
+    """
+
+    def __init__(self, of: Eliminated[Kind], line: ParameterLine) -> None:
+        self._of: Eliminated[Kind] = of._of if isinstance(of, OnLine) else of
+        z = of.z.copy()
+        z[-1] = line.parameters.get(line.free, 0.0)  # where the line was drawn
+        super().__init__(of.explicit.varied(line=line, free=line.free), of.grouping, z, of.soft)
+
+    @property
+    def solved(self) -> bool:
+        """Nothing is."""
+        return False
+
+    @cached_property
+    def correction(self) -> np.ndarray:
+        """None is known, shape (e,)."""
+        return np.zeros(len(self.soft))
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """That of the orbit it is made of. Shape (e, e)."""
+        return self._of.inverse
+
+    @cached_property
+    def slope(self) -> np.ndarray:
+        """That of the orbit it is made of, along which the parameter moves elsewhere. Shape (e, N + 1)."""
+        slope = self._of.slope.copy()
+        slope[:, -1] = 0.0
+        return slope
+
+    @cached_property
+    def _level(self) -> np.ndarray:
+        """Level of the residuals of what is eliminated."""
+        return self._of._level
 
 
 class Chord:

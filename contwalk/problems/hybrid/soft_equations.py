@@ -14,7 +14,7 @@ limits.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from contwalk.errors import NotFinite
 from contwalk.memory import unowned
 from contwalk.numerics.linear import Factored, Factorization
 from contwalk.problems.hybrid import softness
-from contwalk.problems.hybrid.eliminated import Chord, Eliminated, corrected, reached
+from contwalk.problems.hybrid.eliminated import Chord, Eliminated, OnLine, corrected, reached
 from contwalk.problems.hybrid.forward_solution import solved_forward
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -42,6 +42,9 @@ class SoftEquations(HybridOrbit):
 
     _inner: Eliminated | None = None
     _further: tuple[Eliminated, ...] = ()
+    # Whether soft transitions that it does not know are looked for at once: on one of the many lines through
+    # a plane of two parameters nobody goes on with the problem that knows them.
+    _seeks = False
 
     @property
     def inner(self) -> Eliminated:
@@ -54,6 +57,18 @@ class SoftEquations(HybridOrbit):
     def cuttable(self) -> bool:
         """Whether legs may be cut into segments: legs that soft transitions divide anew are not."""
         return False
+
+    def varied(self, **changes: Any) -> Self:
+        """The same with some attributes changed; on another line its explicit orbits are those of that
+        line.
+        """
+        other = super().varied(**changes)
+        if "line" in changes:
+            other._seeks = True
+            known = [] if self._inner is None else [self._inner]
+            moved = [OnLine(each, changes["line"]) for each in (*known, *self._further)]
+            other._inner, other._further = (moved[0] if known else None), tuple(moved[len(known) :])
+        return other
 
     def around(self, explicit: HybridOrbit, unknowns: np.ndarray) -> Self:
         """This problem on the steps of an explicit orbit, which is discretised.
@@ -134,6 +149,13 @@ class SoftEquations(HybridOrbit):
                 return found
         return None
 
+    def _sought(self, z: np.ndarray) -> Eliminated | None:
+        """What is eliminated at z with soft transitions that are looked for, where that is done at once."""
+        try:
+            return self._at(z) if self._seeks else None
+        except NotFinite:
+            return None
+
     def _solved(self, z: np.ndarray, rough: Eliminated | None) -> Eliminated | None:
         """What is eliminated at z, from where it is known roughly."""
         if rough is None or rough.solved:
@@ -212,7 +234,7 @@ class SoftEquations(HybridOrbit):
         return self.inner.explicit.cost
 
     def _linearized(self, z: np.ndarray) -> Linearization:
-        found, magnitudes = self._near(z), unowned(self.magnitudes_near)
+        found, magnitudes = self._near(z) or self._sought(z), unowned(self.magnitudes_near)
         if found is None:
             lost, remeshed = np.full((self.size, self.size + 1), np.nan), unowned(self.remeshed)
             levels = np.ones(self.size)

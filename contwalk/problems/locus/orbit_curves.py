@@ -10,8 +10,8 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, StartError
-from contwalk.problems.hybrid import limit_points
 from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.locus.condensed import limit_system
 from contwalk.problems.locus.flips import Flips
 from contwalk.problems.locus.orbit_conditions import At, pair_system
 from contwalk.problems.locus.orbit_curve import OrbitCurve
@@ -68,6 +68,13 @@ class Tori(OrbitCurve):
             return pair_values(near, float(further[0]))
         return pair_system(orbit, near, float(further[0]))
 
+    def asks_explicit(self, further: np.ndarray) -> bool:
+        """Not near half a turn, where product and sum of both multipliers are held: these are values.
+
+        `further` has the shape (1,).
+        """
+        return abs(float(further[0]) + 1.0) >= NEAR
+
     def critical(self, further: np.ndarray) -> np.ndarray:
         """Both, of length one or real."""
         k = float(further[0])
@@ -89,6 +96,7 @@ class Limits(OrbitCurve):
     limit: Limit
     further: int = 0
     of: str = field(init=False, default="")  # type: ignore[misc]
+    by_values = True  # its own equations know condensed transitions
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "of", self.limit.label)
@@ -98,7 +106,7 @@ class Limits(OrbitCurve):
 
         `further` has the shape (k,).
         """
-        found = limit_points.system_of(orbit, orbit.limits.index(self.limit), near, further)
+        found = limit_system(orbit, orbit.limits.index(self.limit), near, further)
         if found is None or len(found.start) != len(near.z) + self.further:
             raise NotFinite(f"what passes zero at '{self.limit.name}' is another instant, or none")
         return found
@@ -146,7 +154,7 @@ def begun_at(
     if point.label == "BP":
         return _branch_point_at(point)
     which = orbit.limited.limit_of(point)
-    found = limit_points.system_of(orbit, which, near)
+    found = limit_system(orbit, which, near)
     if found is None:
         raise NotFinite(f"the instant of {point.label} is not found on the orbit")
     further = found.start[len(near.z) :]

@@ -21,7 +21,7 @@ from contwalk.problems.locus.orbit_diagnosis import OrbitLocusDiagnosis
 from contwalk.problems.locus.orbit_limits import LimitsOnCurve, told
 from contwalk.problems.locus.orbit_places import Held, OrbitPlane, evaluated
 from contwalk.problems.locus.orbit_points.catalogue import POINT_TYPES
-from contwalk.problems.orbit import augmented, equations
+from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.discretization import FINEST, SOLVED
 from contwalk.problems.orbit.evaluations import Evaluations
 from contwalk.problems.orbit.extents import sizes_since
@@ -79,7 +79,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         there, own = self.plane.first(z)
         place = At(own, self.of_orbit(weights), float(weights[-2]), self.plane, float(z[-2]))
         return Held(
-            curve.system(there, place, self.further(z)),
+            curve.condition(there, place, self.further(z)),
             np.arange(self.plane.size, self.plane.size + curve.further),
         )
 
@@ -149,7 +149,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         there, own = self.plane.first(z)
         levels = self.linearize(z).levels[0][self.plane.size :]
         steps = GLOBAL * self.mesh.amplified / SOLVED
-        return np.concatenate([equations.errors(there, there.linearize(own)), (1.0 + steps) * levels])
+        return np.concatenate([there.errors_at(own), (1.0 + steps) * levels])
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes of z, NaN where nothing tells, shape (N + k + 2,)."""

@@ -9,7 +9,6 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
-from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curves import CURVES, LIMITS, VALUED, begun_at
 from contwalk.problems.locus.orbit_locus import OrbitLocus
@@ -49,12 +48,6 @@ def locus_at(
     first_name, second_name = typical
     free = first_name, second_name
     plane = plane_of(facts, facts.info.problem, free)
-    if isinstance(plane.orbit, SoftOrbit):
-        raise StartError(
-            f"{point.name or point.label} is of orbits through soft transitions, whose curves in two "
-            "parameters are not followed yet.",
-            "Start at a point of orbits whose transitions are hard.",
-        )
     own = np.array(point.unknowns)[:-1]
     first, second = (facts.parameters[name] for name in free)
     near, scale = np.append(own, first), np.append(weights[:-1], typical[free[0]])

@@ -49,7 +49,7 @@ class BranchPoints(NamedCurve):
 
     of, name = "BP", "crossing"
     further = 1
-    unfolds = True
+    unfolds = by_values = True
 
     def system(self, orbit: Any, near: At, further: np.ndarray) -> Valued:
         """[F_u F_parameter] has deficient rank, and F + mu b stands for F.
@@ -79,7 +79,7 @@ class ObservableAt(NamedCurve):
 
     observable: str
     level: float
-    of, name = "UZ", "observable"
+    of, name, by_values = "UZ", "observable", True
 
     def system(self, orbit: Any, near: At, further: np.ndarray) -> Valued:
         """The observable is at its value.
@@ -102,7 +102,7 @@ class ParameterAt(NamedCurve):
     parameter: str
     place: int
     level: float
-    of, name = "UZ", "parameter"
+    of, name, by_values = "UZ", "parameter", True
 
     def system(self, orbit: Any, near: At, further: np.ndarray) -> Valued:
         """The parameter is at its value.

@@ -195,15 +195,34 @@ def torus(map_: SectionMap, theta: float) -> dict[str, Any]:
 
 
 def cubic_of_torus(map_: SectionMap, theta: float) -> tuple[complex, float]:
-    """d of a Neimark-Sacker point, and the size of the terms that it is the sum of."""
+    """d of a Neimark-Sacker point, and the size of the terms that it is the sum of.
+
+    Along s (exp(i phi) q + c.c.) the second derivative of the map has B(q,q*) and B(q,q) as its harmonics in
+    phi; with the second order of the invariant manifold the third one has what d is made of.
+    """
     a, turn = map_.a, np.exp(1j * theta)
     q, p = map_.critical(turn)
     one = np.eye(len(q))
-    h11 = np.linalg.solve(one - a, map_.b_complex(q, q.conj()))
-    h20 = np.linalg.solve(turn**2 * one - a, map_.b_complex(q, q))
-    terms = [map_.c_squared(q), 2.0 * map_.b_complex(q, h11), map_.b_complex(q.conj(), h20)]
-    d = 0.5 * complex(np.conj(turn) * (p @ np.sum(terms, axis=0)))
-    return d, 0.5 * float(np.abs(p) @ np.sum(np.abs(terms), axis=0))
+    second = {phi: map_.curve(_turned(q, phi), None, 0.0, 2)[1] for phi in np.arange(3) * np.pi / 3.0}
+    h11 = np.linalg.solve(one - a, 0.5 * np.mean(list(second.values()), axis=0))
+    h20 = np.linalg.solve(turn**2 * one - a, _harmonic(second, 2))
+    third = {
+        phi: map_.curve(_turned(q, phi), _turned(h20, 2.0 * phi) + 2.0 * h11)[2]
+        for phi in np.arange(4) * np.pi / 4.0
+    }
+    alone, whole = map_.curve(_turned(q, 0.0))[2], third[0.0]
+    d = complex(np.conj(turn) * (p @ _harmonic(third, 1))) / 6.0
+    return d, float(np.abs(p) @ (np.abs(alone) + np.abs(whole - alone))) / 6.0
+
+
+def _turned(v: np.ndarray, phi: float) -> np.ndarray:
+    """exp(i phi) v and its conjugate, added."""
+    return np.asarray(2.0 * (np.exp(1j * phi) * v).real)
+
+
+def _harmonic(sampled: dict[float, np.ndarray], order: int) -> np.ndarray:
+    """The coefficient of exp(i order phi) of vectors sampled at evenly spaced phi."""
+    return np.asarray(np.mean([np.exp(-1j * order * phi) * v for phi, v in sampled.items()], axis=0))
 
 
 def branch_point(map_: SectionMap, weight: float) -> dict[str, Any]:

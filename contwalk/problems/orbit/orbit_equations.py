@@ -108,7 +108,8 @@ class OrbitEquations(DiscretizedOrbit):
 
     def return_map(self, z: np.ndarray) -> SectionMap:
         """The map that takes a section once round the orbit, for normal forms. z has the shape (N + 1,)."""
-        return ReturnMap(self, z)
+        there, own = self.explicit(z)
+        return ReturnMap(there, own)
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start. z has the shape (N + 1,)."""

@@ -61,16 +61,21 @@ class ReturnMap(SectionMap):
         return [layout.inputs_of(segment, self.z) for segment in layout.segments]
 
     @cached_property
+    def _derivatives(self) -> list[np.ndarray]:
+        """Of each segment the derivatives of its end, and of its guard, by its start and its scalars."""
+        each = zip(self.problem.segments, self._inputs, strict=True)
+        return [piece.differentiated(PLAIN, *given)[1] for piece, given in each]
+
+    @cached_property
     def _rates(self) -> list[tuple[np.ndarray, float]]:
         """Of each segment, the derivatives of its end and of what ends it by its duration; one that another
         one follows has its own at all times.
         """
-        problem, found = self.problem, []
-        for piece, (x, scalars) in zip(problem.segments, self._inputs, strict=True):
+        found = []
+        for piece, (x, _), moved in zip(self.problem.segments, self._inputs, self._derivatives, strict=True):
             if piece.inner or not piece.passage.groups["T"]:
                 found.append((np.zeros(len(x)), np.inf))
                 continue
-            _, moved = piece.differentiated(PLAIN, x, scalars)
             column, width = moved[:, len(x)], len(piece.passage.following)
             found.append((column[:width], self._ending(column, width)))
         return found
@@ -159,10 +164,12 @@ class ReturnMap(SectionMap):
             for o in range(ORDERS):
                 lasts, begins = [lasting[o]] * groups["T"], [times[o]] * groups["s"]
                 directions.append(np.array([*lasts, *begins, *drifts[o], lam if o == 0 else 0.0]))
-            jets = np.concatenate([x, *states])
-            out = piece.end(JET, jets, scalars, *directions)
-            each = len(out) // (ORDERS + 1)
-            end = out[(j + 1) * each : (j + 2) * each]
+            if j == 0:  # no integration: the derivatives are known
+                end = self._derivatives[number] @ np.concatenate([states[0], directions[0]])
+            else:
+                out = piece.end(JET, np.concatenate([x, *states]), scalars, *directions)
+                each = len(out) // (ORDERS + 1)
+                end = out[(j + 1) * each : (j + 2) * each]
             if piece.inner or not groups["T"]:
                 lasting[j] = 0.0
             elif piece.passage.leg.transition is not None or not problem.forced:

@@ -14,6 +14,7 @@ import numpy as np
 from contwalk.errors import UnsupportedOperation
 from contwalk.problems.hybrid import limit_rows
 from contwalk.problems.hybrid.limits import transition_of
+from contwalk.problems.hybrid.soft_equations import SoftEquations
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
 from contwalk.problems.orbit.augmented import Augmented
@@ -31,10 +32,11 @@ class DegenerateGrazing(OrbitLocusPoint):
     def value(self, problem: Any, sample: Sample) -> float:
         """The second derivative of the guard over the leg's own time; NaN where there is none.
 
-        Of other limits, and of guards whose graph is too large, nothing is told.
+        Of other limits, of orbits through soft transitions, and of guards whose graph is too large, nothing
+        is told.
         """
         limit = problem.curve.limit
-        if limit.test not in TOUCHING:
+        if limit.test not in TOUCHING or isinstance(problem.orbit, SoftEquations):
             return float("nan")
         there, own = problem.plane.first(sample.z)
         view = there.view(own)[limit.leg]

@@ -9,7 +9,9 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.labels import OF_LOCI
-from contwalk.problems.hybrid import limit_points, limits_told
+from contwalk.problems.hybrid import limits_told
+from contwalk.problems.hybrid.soft_equations import SoftEquations
+from contwalk.problems.locus.condensed import limit_system
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points import tangency
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
@@ -43,7 +45,7 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
         """The equations of the limit, and the condition of the curve."""
         there, own = problem.plane.first(sample.z)
         near = near_of(problem, sample, own)
-        found = limit_points.system_of(there, which, near)
+        found = limit_system(there, which, near)
         if found is None:
             return None
         width, further = len(sample.z), found.start[len(own) :]
@@ -70,8 +72,9 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The kind, where in the cycle it is met, and where both curves are tangent how they part."""
         limit, told = problem.limited.limits[int(located.vectors["limit"])], {}
-        if limit.kind == "resonant" and problem.curve.of in TANGENT:
-            there, own = problem.plane.first(located.z)
+        there, own = problem.plane.first(located.z)
+        soft = isinstance(there, SoftEquations)
+        if limit.kind == "resonant" and problem.curve.of in TANGENT and not soft:
             told = tangency.coefficients(problem, there, own, float(located.z[-2]), problem.curve.of)
         return limit.kind, told, limits_told.place_of(problem.orbit, limit.own, located)
 

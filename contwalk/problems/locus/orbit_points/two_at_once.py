@@ -10,6 +10,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid.adjacent.at_limit import built_at
 from contwalk.problems.hybrid.adjacent.orbit import NoAdjacentOrbit
+from contwalk.problems.hybrid.soft_equations import SoftEquations
 from contwalk.problems.locus.orbit_curves import CURVES
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points import tangency
@@ -65,7 +66,7 @@ class TwoAtOnce(OrbitLocusPoint):
         curve, width = CURVES[self.other], len(sample.z)
         further = np.full(curve.further, np.cos(angle))
         places = np.arange(width, width + curve.further)
-        held = [problem.condition, Held(curve.system(there, near, further), places)]
+        held = [problem.condition, Held(curve.condition(there, near, further), places)]
         return together(problem, sample, held, further)
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
@@ -157,6 +158,8 @@ def as_arriving(problem: Any, z: np.ndarray) -> tuple[Any, np.ndarray] | None:
     another way.
     """
     limit, (there, own) = problem.curve.limit, problem.plane.first(z)
+    if isinstance(there, SoftEquations):  # its legs are divided anew: not told
+        return None
     if limit.test == "rate":
         return there, own
     if limit.test != "dip" or not limit.acts:

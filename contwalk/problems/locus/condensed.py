@@ -1,0 +1,199 @@
+"""Conditions of curves of orbits whose soft transitions are condensed: those of the explicit orbits.
+
+A condition is made of an explicit orbit, and its derivatives go through what is eliminated there, exactly.
+Where other soft transitions are met the explicit orbit is another one, and has a condition of its own: both
+vanish at the same orbits.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import NotFinite
+from contwalk.problems.hybrid import limit_points
+from contwalk.problems.hybrid.eliminated import Eliminated
+from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.hybrid.soft_equations import SoftEquations
+from contwalk.problems.locus.orbit_conditions import At
+from contwalk.problems.orbit.augmented import Augmented, Near
+
+Found = Eliminated[HybridOrbit]
+
+
+class Condensed(ABC):
+    """A condition of explicit orbits, near a place of an orbit whose soft transitions are condensed.
+
+    `further` are the unknowns of the condition there, shape (k,).
+    """
+
+    in_units = False
+
+    def __init__(self, orbit: SoftEquations, near: Near, further: np.ndarray) -> None:
+        self.orbit, self.near, self.further = orbit, near, further
+        self._known: dict[Hashable, Augmented] = {}
+
+    @abstractmethod
+    def made(self, found: Found, near: At, own: np.ndarray) -> Augmented:
+        """The condition near an explicit orbit; `own` are its further unknowns, shape (k,)."""
+
+    def place(self, found: Found, own: np.ndarray) -> int:
+        """The piece of the motion that the condition is of: explicit orbits have others for other pieces.
+
+        `own` has the shape (k,).
+        """
+        return 0
+
+    def before(self, found: Found, own: np.ndarray) -> list[int]:
+        """Places of the durations, of all unknowns, by which an instant is later in its leg than in its
+        piece.
+
+        `own` has the shape (k,).
+        """
+        return []
+
+    def _of(self, found: Found, own: np.ndarray, piece: np.ndarray) -> Augmented:
+        key = found.explicit.itinerary, self.place(found, own)
+        if key not in self._known:
+            weights = self.orbit._explicit_weights(found.explicit, self.near.weights)
+            self._known[key] = self.made(found, At(found.unknowns, weights, 1.0), piece)
+        return self._known[key]
+
+    def evaluate(self, there: SoftEquations, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The equations that are left with the condition, shape (N + m,), and their derivatives by all of y,
+        shape (N + 1 + k,).
+        """
+        size = there.size
+        found, own = there._at(y[: size + 1]), y[size + 1 :]
+        earlier, whole = self.before(found, own), found.explicit.size
+        piece = own - sum(found.unknowns[k] for k in earlier)
+        residual, jacobian = self._of(found, own, piece).evaluate(
+            found.explicit, np.concatenate([found.unknowns, piece])
+        )
+        held, by_own = jacobian[whole:, : whole + 1].copy(), jacobian[whole:, whole + 1 :]
+        for k in earlier:
+            held[:, k] -= by_own[:, 0]
+        left, eliminated = found.grouping.columns(held)
+        matrix = np.zeros((size + len(held), len(y)))
+        matrix[:size, : size + 1] = found.jacobian
+        matrix[size:, : size + 1] = left + eliminated @ found.slope
+        matrix[size:, size + 1 :] = by_own
+        return np.concatenate([found.residual, residual[whole:]]), matrix
+
+    def vectors(self, there: SoftEquations, y: np.ndarray) -> dict[str, Any]:
+        """The critical vector of the orbit, where the condition has one; y has the shape (N + 1 + k,)."""
+        found, own = there._at(y[: there.size + 1]), y[there.size + 1 :]
+        known = self._of(found, own, own).vectors(found.explicit, np.concatenate([found.unknowns, own]))
+        if "right" not in known:
+            return {}
+        return {"right": found.grouping.split(np.append(known["right"], 0.0))[0][:-1]}
+
+    @property
+    def augmented(self) -> Augmented:
+        """The equations."""
+        start = np.append(self.near.z, self.further)
+        scale = np.append(self.near.weights, np.where(self.further == 0.0, 1.0, np.abs(self.further)))
+        return Augmented(self.evaluate, start, scale, self.vectors, self.in_units)  # type: ignore[arg-type]
+
+
+class OfMultipliers(Condensed):
+    """A condition that is made the same way of any orbit.
+
+    Parameters
+    ----------
+    orbit, near, further
+        As of `Condensed`; `further` has the shape (k,).
+    system : callable
+        Makes it of an explicit orbit, a place and further unknowns.
+    """
+
+    def __init__(
+        self,
+        orbit: SoftEquations,
+        near: At,
+        further: np.ndarray,
+        system: Callable[[HybridOrbit, At, np.ndarray], Any],
+    ) -> None:
+        super().__init__(orbit, near, further)
+        self._system, self._second = system, near.second
+
+    def made(self, found: Found, near: At, own: np.ndarray) -> Augmented:
+        """The condition of the explicit orbit; `own` has the shape (k,)."""
+        system: Augmented = self._system(found.explicit, At(near.z, near.weights, self._second), self.further)
+        return system
+
+
+class OfLimit(Condensed):
+    """A limit is met: where it is an instant, that since its leg between hard transitions began.
+
+    `further` has the shape (k,).
+    """
+
+    in_units = True
+
+    def __init__(self, orbit: SoftEquations, limit: Limit, near: Near, further: np.ndarray) -> None:
+        super().__init__(orbit, near, further)
+        self.limit = limit
+
+    def place(self, found: Found, own: np.ndarray) -> int:
+        """The number of the explicit orbit's limit. `own` has the shape (k,)."""
+        explicit, limit = found.explicit, self.limit
+        if limit.test != "dip":
+            chosen = self.orbit._least(found.grouping, explicit.margins(found.unknowns), limit)
+            if chosen is None:
+                raise NotFinite(f"'{limit.name}' has no value there")
+            return chosen
+        leg = self._leg(found, float(own[0]))
+        return next(
+            k
+            for k, each in enumerate(explicit.limits)
+            if (each.leg, each.name, each.test) == (leg, limit.name, limit.test)
+        )
+
+    def _leg(self, found: Found, instant: float) -> int:
+        """The piece in which an instant of the leg lies."""
+        group = found.grouping.groups[self.limit.leg]
+        ends = np.cumsum(found.unknowns[found.explicit.layout.durations][group])
+        return group[min(int(np.searchsorted(ends, instant)), len(group) - 1)]
+
+    def before(self, found: Found, own: np.ndarray) -> list[int]:
+        """The pieces before that of the instant. `own` has the shape (k,)."""
+        if self.limit.test != "dip":
+            return []
+        group, leg = found.grouping.groups[self.limit.leg], self._leg(found, float(own[0]))
+        return [found.explicit.layout.durations.start + k for k in group[: group.index(leg)]]
+
+    def made(self, found: Found, near: At, own: np.ndarray) -> Augmented:
+        """The limit of the explicit orbit; `own` is the instant in its piece, shape (k,)."""
+        chosen = self.place(found, own + sum(near.z[k] for k in self.before(found, self.further)))
+        system = limit_points.system_of(found.explicit, chosen, near, own if len(own) else None)
+        if system is None or len(system.start) != len(near.z) + len(self.further):
+            raise NotFinite(f"what passes zero at '{self.limit.name}' is another instant, or none")
+        return system
+
+
+def limit_system(orbit: Any, which: int, near: Near, further: np.ndarray | None = None) -> Augmented | None:
+    """`limit_points.system_of`, of orbits whose soft transitions are condensed too; None where it is not met.
+
+    `further` are known values of the unknowns that the limit has beside those of the orbit, shape (k,).
+    """
+    if not isinstance(orbit, SoftEquations):
+        return limit_points.system_of(orbit, which, near, further)
+    limit = orbit.limits[which]
+    if limit.test != "dip":
+        return OfLimit(orbit, limit, near, np.zeros(0)).augmented
+    if further is None:
+        found = orbit._at(near.z)
+        seen = found.explicit.margins(found.unknowns)
+        chosen = orbit._least(found.grouping, seen, limit)
+        if chosen is None or not np.isfinite(seen.places[chosen]):
+            return None
+        group, leg = found.grouping.groups[limit.leg], seen.limits[chosen].leg
+        lasting = found.unknowns[found.explicit.layout.durations]
+        earlier = float(np.sum(lasting[group[: group.index(leg)]]))
+        further = np.array([earlier + float(seen.places[chosen]) * float(lasting[leg])])
+    return OfLimit(orbit, limit, near, further).augmented

@@ -1,0 +1,124 @@
+"""Curves in two parameters of orbits that pass soft transitions: an oscillator that meets a second spring.
+
+Declared as soft or as hard, the transitions leave the same orbits with the same special points. Along soft
+ones the motion may touch the second spring or not, and more or less often, with the curve going on.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from hybrid_runs import diagram, machine
+from loci_of_orbits import FINE, labels, largest
+
+import contwalk as cw
+from contwalk.branch import Branch
+from contwalk.system import System, Transition
+
+STIFFNESS, GAP = 8.0, 0.5
+STATE, FORCE = [0.0, 0.0], 0.5
+RANGES = {"omega": (1.2, 1.6), "force": (0.3, 0.8)}
+CUTS = (0.4, 0.55)
+
+
+def spring(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = p.force * math.cos(p.omega * t) - 0.1 * x[1] - x[0]
+
+
+def two_springs(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = p.force * math.cos(p.omega * t) - 0.1 * x[1] - x[0] - STIFFNESS * (x[0] - GAP)
+
+
+def system(role: str) -> System:
+    return machine(
+        ["q", "v"],
+        {"omega": 1.3, "force": FORCE},
+        {"free": spring, "contact": two_springs},
+        [
+            Transition("touch", "free", "contact", lambda t, x, p: GAP - x[0], role=role),
+            Transition("leave", "contact", "free", lambda t, x, p: x[0] - GAP, role=role),
+        ],
+        period=lambda p: 2.0 * math.pi / p.omega,
+    )
+
+
+@cache
+def branch(role: str, force: float = FORCE) -> Branch:
+    """Orbits along the frequency: two folds of the resonance that the second spring bends."""
+    found = diagram(
+        system(role),
+        "omega",
+        RANGES["omega"],
+        STATE,
+        {"force": force, "omega": 1.3},
+        until="settled",
+        events={"GR": "ignore"},
+        max_step=0.3,
+    )
+    return found[0]
+
+
+@cache
+def folds(role: str) -> Branch:
+    return cw.continue_locus(
+        system(role), branch(role), "LP1", RANGES, events={"GR": "ignore"}, marks={"force": CUTS}, **FINE
+    )
+
+
+def test_the_curve_of_folds_is_the_one_of_hard_transitions() -> None:
+    soft, hard = folds("soft"), folds("hard")
+    assert labels(soft) == labels(hard) == ["CPC", *["UZ"] * 4]
+    one, other = soft.special("CPC1"), hard.special("CPC1")
+    for name in RANGES:
+        error = one.errors[name] + other.errors[name]
+        assert abs(one.parameters[name] - other.parameters[name]) <= error < 1e-9
+    assert abs(one.coefficients["c"]) == pytest.approx(abs(other.coefficients["c"]), rel=1e-4)
+    assert largest(soft["omega"]) > one.parameters["omega"] - 1e-12  # it has both of its branches
+
+
+@pytest.mark.parametrize("force", CUTS)
+def test_branches_along_one_parameter_fold_on_it(force) -> None:
+    """Marked points of the curve are solved for on their own, and told with their errors."""
+    points = [p for p in branch("soft", force).special_points if p.label == "LP"]
+    at = pytest.approx(force, rel=1e-9)
+    marked = [p for p in folds("soft").special_points if p.label == "UZ" and p.parameters["force"] == at]
+    both = (sorted(each, key=lambda p: p.parameters["omega"]) for each in (points, marked))
+    assert len(points) == len(marked) == 2
+    for one, other in zip(*both, strict=True):
+        error = one.error + other.errors["omega"]
+        assert abs(one.parameters["omega"] - other.parameters["omega"]) <= error < 1e-8
+
+
+def bounce(t, x, p, x_plus):
+    x_plus[0], x_plus[1] = x[0], -0.8 * x[1]
+
+
+@cache
+def to_the_stop(omega: float) -> Branch:
+    """Orbits along the force, up to where the motion against the second spring just reaches a stop."""
+    values = {"force": 0.1, "omega": omega}
+    found = diagram(stopped(), "force", (0.05, 1.5), STATE, values, until="settled", events={"GR": "stop"})
+    return found[0]
+
+
+@cache
+def stopped() -> System:
+    soft = system("soft")
+    stop = Transition("stop", "contact", "contact", lambda t, x, p: 0.8 - x[0], reset=bounce)
+    return replace(soft, transitions=(*soft.transitions, stop))
+
+
+def test_a_grazing_is_followed_though_its_leg_is_divided_by_soft_transitions() -> None:
+    """The curve from the grazing at one frequency has that of another one, found along the force alone."""
+    ranges, marks = {"omega": (0.95, 1.25), "force": (0.05, 1.5)}, {"omega": [1.0]}
+    curve = cw.continue_locus(stopped(), to_the_stop(1.2), "GR1", ranges, marks=marks, **FINE)
+    (marked,) = [p for p in curve.special_points if p.label == "UZ"]
+    alone = to_the_stop(1.0).special("GR1")
+    error = marked.errors["force"] + alone.error
+    assert abs(marked.parameters["force"] - alone.parameters["force"]) <= error < 1e-8
+    assert curve.outcome.reason == "bound"
