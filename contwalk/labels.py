@@ -6,8 +6,8 @@ from collections import ChainMap
 
 # What the engine itself tells of a branch: where it ends, and what the user asked for.
 END, MARK = "EP", "UZ"
-# What the problem of a curve in two parameters is called.
-LOCUS = "locus"
+# What the problem of a curve in two parameters is called; under which name it tells where it was looked for.
+LOCUS, RANGES = "locus", "ranges"
 
 MEANINGS = {
     "EP": "end point",

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from contwalk.branch import BranchInfo, Outcome
 from contwalk.continuation import mirror_images, outcomes
 from contwalk.continuation.branch_in_progress import (
@@ -25,7 +27,7 @@ from contwalk.continuation.pseudo_arclength import End, walk
 from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.standing_still import with_what_stands_still
-from contwalk.labels import END
+from contwalk.labels import END, RANGES
 from contwalk.problems.problem import Mirror, Problem, Sample
 
 # Where each direction sets out, by its sign.
@@ -74,13 +76,22 @@ class BranchWalk:
         return self._mirrored[1]
 
     def info(self, start: Start, name: str) -> BranchInfo:
-        """What is true of the whole branch of a start, its symmetry among it."""
-        info = info_of(start, name)
+        """What is true of the whole branch of a start, its symmetry among it, and where it is looked for."""
+        info = self._within(info_of(start, name))
         try:
             mirror = None if isinstance(start.opening, Outcome) else self.mirror(start.opening, start)
         except outcomes.BREAKDOWNS:  # then the walk itself tells what is wrong
             mirror = None
         return info if mirror is None else replace(info, settings={**info.settings, "mirror": mirror.names})
+
+    def _within(self, info: BranchInfo) -> BranchInfo:
+        """With the ranges of both parameters, where there are two and they have ends."""
+        settings = self._plan.settings
+        if settings.second_range is None or len(info.free) != 2:
+            return info
+        ranges = zip(info.free, (settings.range, settings.second_range), strict=True)
+        found = {free: list(ends) for free, ends in ranges if np.all(np.isfinite(ends))}
+        return replace(info, settings={**info.settings, RANGES: found})
 
     def beside(self, start: Start, opening: Opening, sign: float) -> Sample | None:
         """The first point away from a start, or half way to where the branch ends before it.

@@ -21,7 +21,7 @@ from contwalk.continuation.events import Plan
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import ContwalkError
-from contwalk.labels import BORDERS, CROSSINGS, END, LOCUS, MARK
+from contwalk.labels import BORDERS, CROSSINGS, END, LOCUS, MARK, RANGES
 from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.regions import Raster, Regions, regions
 from contwalk.numerics.threads import one_thread
@@ -85,10 +85,13 @@ def chart(system: System, branches: Sequence[Branch], names: tuple[str, str] | N
 
 
 def _raster(curves: Sequence[Branch], known: Sequence[Branch], x: str, y: str) -> Raster:
-    """The rectangle that curves and branches span."""
+    """The rectangle that the curves were looked for in; of curves that do not tell, what they and branches
+    span.
+    """
     spans = []
     for name in (x, y):
-        values = np.concatenate([b[name] for b in (*curves, *known) if name in b.info.free])
+        asked = [np.array(b.info.settings.get(RANGES, {}).get(name, ())) for b in curves]
+        values = np.concatenate([*asked, *(b[name] for b in (*curves, *known) if name in b.info.free)])
         spans.append((float(values.min()), float(values.max())))
     low, high = np.array(spans).T
     return Raster(low, np.where(high > low, high, low + np.maximum(np.abs(low), 1.0)))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import pytest
 from small_systems import small_system
 
@@ -46,6 +49,21 @@ def test_three_equilibria_inside_the_cusp() -> None:
             x = solution.state["x"]
             assert abs(region.at[0] + region.at[1] * x - x**3) < 1e-13
             assert solution.unstable == (region.at[1] - 3.0 * x**2 > 0.0)
+
+
+def test_a_chart_has_the_ranges_that_curves_were_looked_for_in() -> None:
+    """The folds end at the cusp, b2 = 0: below it there is one equilibrium, and the chart shows that."""
+    ranges = {"b1": (-1.4, 1.3), "b2": (-1.0, 2.0)}
+    branches, found = study(cusp, "x", {"b1": -1.0, "b2": 1.0}, [-1.3], ["LP1"], ranges)
+    assert (found.low, found.high) == ((-1.4, -1.0), (1.3, 2.0))
+    old = [replace(b, info=replace(b.info, settings=without_ranges(b))) for b in branches]
+    spanned = chart(small_system(cusp, "x", {"b1": -1.0, "b2": 1.0}), old)
+    assert spanned.low[1] == pytest.approx(0.0, abs=1e-2)
+    assert {region.counts for region in spanned.regions} == {(0, 0, 1), (0,)}
+
+
+def without_ranges(branch: Branch) -> dict[str, Any]:
+    return {key: value for key, value in branch.info.settings.items() if key != "ranges"}
 
 
 def test_both_sides_of_hopf_points() -> None:

@@ -148,11 +148,11 @@ class OfLimit(Condensed):
                 raise NotFinite(f"'{limit.name}' has no value there")
             return chosen
         leg = self._leg(found, float(own[0]))
-        return next(
-            k
-            for k, each in enumerate(explicit.limits)
-            if (each.leg, each.name, each.test) == (leg, limit.name, limit.test)
-        )
+        same = (leg, limit.name, limit.test)
+        number = next((k for k, o in enumerate(explicit.limits) if (o.leg, o.name, o.test) == same), None)
+        if number is None:
+            raise NotFinite(f"'{limit.name}' does not end the piece in which that instant lies")
+        return number
 
     def _leg(self, found: Found, instant: float) -> int:
         """The piece in which an instant of the leg lies."""

@@ -52,7 +52,7 @@ class OrbitLocusPoint(PointType):
         if self.label not in FORMS:
             return None, {}, None
         there, own = problem.plane.first(located.z)
-        return None, FORMS[self.label](there.return_map(own)), None
+        return None, FORMS[self.label](there.return_map(own)), LEFT_OUT.get(self.label)
 
     def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
@@ -99,6 +99,11 @@ FORMS: dict[str, Callable[[SectionMap], dict[str, Any]]] = {
     "PDNS": normal_forms_of_codim_two.flip_and_torus,
     "NSNS": normal_forms_of_codim_two.two_tori,
 }
+
+
+# What is missing of a normal form.
+_CUBIC = "the terms of third order of its normal form, which tell what is born beside it, are not computed"
+LEFT_OUT = {"LPPD": _CUBIC, "LPNS": _CUBIC}
 
 
 def known_to(problem: Any) -> float:
