@@ -19,6 +19,9 @@ NEUTRAL = 1e-12
 VANISHED = 1e-9
 # Name of a direction that nobody declared, found at a start.
 UNDECLARED = "undeclared"
+# Shifts until a state is nearest to another one, the part of the magnitudes that ends them, and the steps of
+# each where generators turn on the way.
+MOST_SHIFTS, NO_SHIFT, PARTS = 8, 1e-10, 32
 
 
 def generator_at(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float]) -> np.ndarray:
@@ -58,6 +61,58 @@ def across(apart: np.ndarray, along: np.ndarray, scale: np.ndarray) -> np.ndarra
     scaled = along / scale[:, None]
     shares, *_ = np.linalg.lstsq(scaled, apart / scale, rcond=None)
     return apart - along @ shares
+
+
+def apart_at_least(
+    system: System,
+    pins: Sequence[Neutral],
+    x: np.ndarray,
+    target: np.ndarray,
+    parameters: dict[str, float],
+    scale: np.ndarray,
+    own: Sequence[int],
+) -> np.ndarray:
+    """Difference of a state to another one, once it is moved along generators to where they are nearest.
+
+    Parameters
+    ----------
+    x, target, scale : ndarray, shape (n,)
+    own : sequence of int
+        Which of the states exist: others are no matter, and zero in the difference of shape (n,).
+    """
+    exists = np.zeros(len(x))
+    exists[list(own)] = 1.0
+    for _ in range(MOST_SHIFTS):
+        apart = (x - target) * exists
+        along = directions(system, pins, x, parameters) * exists[:, None]
+        if not along.shape[1]:
+            return apart
+        shares, *_ = np.linalg.lstsq(along / scale[:, None], -apart / scale, rcond=None)
+        if np.linalg.norm(along @ shares / scale) <= NO_SHIFT:
+            break
+        x = carried(system, pins, x, parameters, shares)
+    return (x - target) * exists
+
+
+def carried(
+    system: System, pins: Sequence[Neutral], x: np.ndarray, parameters: dict[str, float], shares: np.ndarray
+) -> np.ndarray:
+    """A state, shape (n,), carried along the sum of generators by a share of each for one unit of time."""
+
+    def rate(y: np.ndarray) -> np.ndarray:
+        return directions(system, pins, y, parameters) @ shares
+
+    first = rate(x)
+    if np.array_equal(rate(x + first), first):  # the same everywhere
+        return x + first
+    h = 1.0 / PARTS
+    for _ in range(PARTS):
+        a = rate(x)
+        b = rate(x + 0.5 * h * a)
+        c = rate(x + 0.5 * h * b)
+        d = rate(x + h * c)
+        x = x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    return x
 
 
 def _size_nearby(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float]) -> float:

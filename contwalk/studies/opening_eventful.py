@@ -19,7 +19,7 @@ from contwalk.problems.hybrid.families import broken_by_events
 from contwalk.problems.hybrid.hopping import hops
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
-from contwalk.problems.hybrid.least import least, unused_symmetries
+from contwalk.problems.hybrid.least import least, nearly_less, unused_symmetries
 from contwalk.problems.hybrid.legs_without_length import collapsed as collapsed_event
 from contwalk.problems.hybrid.past_all_along import past_all_along
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
@@ -33,11 +33,12 @@ from contwalk.problems.orbit.itinerary import named_itinerary
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.problem import equations_at
-from contwalk.problems.sample import NO_MARGIN
+from contwalk.problems.sample import NO_MARGIN, Sample
 from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.python_functions import line_aside
 from contwalk.signatures import folded
 from contwalk.studies.families import is_one_of_a_family
+from contwalk.studies.fine_steps import on_fine_steps
 from contwalk.studies.orbit_start import OrbitStart
 from contwalk.studies.orbits_not_alone import (
     not_alone,
@@ -160,7 +161,7 @@ def _hybrid(
         return outcome_of_family(problem, z) or one_of_many()
     if name := off_its_value(problem, state.sample):
         return not_conserved(name)
-    shorter, z = least(problem, state.sample.z)
+    shorter, z = _least(problem, state.sample, settings)
     if shorter is not problem:  # it was looked at for longer than its period, or than half of it
         return _hybrid(shorter, z, settings, settled)
     try:
@@ -185,6 +186,17 @@ def _hybrid(
         message = f"{message} The first orbit is not admissible: {names}.".strip()
     message = f"{message} {past_all_along(adapted, sample.z)}".strip()
     return Opening(adapted, ContinuationState(sample, state.s, state.step), message)
+
+
+def _least(problem: HybridOrbit, sample: Sample, settings: Settings) -> tuple[HybridOrbit, np.ndarray]:
+    """The least part of an orbit that tells all of it; `problem` itself where it does."""
+    shorter, z = least(problem, sample.z)
+    if shorter is problem and nearly_less(problem, sample.z):
+        there, again = on_fine_steps(problem, sample, settings)
+        found, start = least(there, again.z)
+        if found is not there:
+            return found, start
+    return shorter, z
 
 
 def _with_hops(problem: HybridOrbit, z: np.ndarray, sentence: str) -> str:

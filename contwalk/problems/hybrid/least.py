@@ -24,6 +24,8 @@ from contwalk.system.declarations import ParameterValues
 
 # Two orbits whose states differ by less than this part of their variation are one.
 ALIKE = 1e-6
+# Those that differ by less may be one but for the errors of their steps.
+NEARLY = 1e-2
 
 
 def least(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
@@ -72,6 +74,14 @@ def asymmetries(problem: LimitedOrbit, z: np.ndarray) -> dict[str, float]:
     return found | {name: max(apart, default=0.0) for name, apart in halves}
 
 
+def nearly_less(problem: LimitedOrbit, z: np.ndarray) -> bool:
+    """Whether an orbit z, shape (N + 1,), misses but little to repeat itself, or to be its own image.
+
+    The errors of its steps may hide that it does.
+    """
+    return any(ALIKE <= apart < NEARLY for apart in asymmetries(problem, z).values())
+
+
 def _repeated(problem: LimitedOrbit, z: np.ndarray, times: int) -> bool:
     """Whether an orbit of an itinerary that repeats itself meets itself after the first of so many parts."""
     return all(apart < ALIKE for apart in _between_parts(problem, z, times))
@@ -105,9 +115,14 @@ def _start(problem: LimitedOrbit, z: np.ndarray, i: int) -> np.ndarray:
 
 
 def _apart(problem: LimitedOrbit, z: np.ndarray, x: np.ndarray, i: int, turns: np.ndarray) -> float:
-    """How far a state is from the one at the start of leg i, but for turns, in units of the variation."""
-    own = list(problem.passages[i].states)
-    return float(np.linalg.norm((x - turns - _start(problem, z, i))[own] / problem.mesh.variation[own]))
+    """How far a state is from the one at the start of leg i, but for turns, in units of the variation.
+
+    And but for where it is along neutral directions: one who drifts along, so that the whole closes, sees
+    its parts close elsewhere where the image of a direction is its opposite.
+    """
+    own, scale = list(problem.passages[i].states), problem.mesh.variation
+    given = x - turns, _start(problem, z, i), problem.values_of(z), scale, own
+    return float(np.linalg.norm(neutrals.apart_at_least(problem.system, problem.pins, *given) / scale))
 
 
 def _symmetry(problem: LimitedOrbit, name: str) -> Symmetry | None:
@@ -187,13 +202,9 @@ def _halves_alike(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> b
 def _between_halves(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> Iterator[float]:
     """How far each leg's start in the second half is from the image of that in the first."""
     half, p = problem.layout.legs // 2, ParameterValues(**problem.values_of(z))
-    scale = problem.mesh.variation
+    turns = np.zeros(problem.states)
     for i in range(half):
-        x = imaged(symmetry, _start(problem, z, i), p)
-        along = neutrals.directions(problem.system, problem.pins, x, problem.values_of(z))
-        apart = neutrals.across(x - _start(problem, z, i + half), along, scale)
-        own = list(problem.passages[i + half].states)
-        yield float(np.linalg.norm((apart / scale)[own]))
+        yield _apart(problem, z, imaged(symmetry, _start(problem, z, i), p), i + half, turns)
 
 
 def _spatial(system: System) -> list[Symmetry]:

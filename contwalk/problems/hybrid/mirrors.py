@@ -18,9 +18,9 @@ from contwalk.problems.orbit.itinerary import Leg, has_image, image_of
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
-# Both sides agree to this part of their size: the map's derivative is a difference over such a step, known to
-# its square and to what rounding makes of it.
-SAME, STEP = 1e-8, 1e-5
+# Both sides agree to this part of their size: the map's derivative is made of differences over such a step
+# and twice as much, and known to its fourth power and to what rounding makes of it.
+SAME, STEP = 1e-8, 1e-3
 # How far from the orbit, in units of its variation, and how far into each leg it is tried.
 OFF, INTO = 0.1, 0.3
 
@@ -77,10 +77,10 @@ def beside(x: np.ndarray, scale: np.ndarray) -> np.ndarray:
     return x + OFF * scale * np.cos(np.arange(1.0, len(x) + 1.0))
 
 
-def _close(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether two vectors agree; what is not finite agrees with nothing."""
+def _close(a: np.ndarray, b: np.ndarray, rounding: float = 0.0) -> bool:
+    """Whether two vectors agree, but for a rounding; what is not finite agrees with nothing."""
     size = max(float(np.linalg.norm(a)), float(np.linalg.norm(b)))
-    return bool(np.linalg.norm(a - b) <= SAME * size) if np.isfinite(size) else False
+    return bool(np.linalg.norm(a - b) <= SAME * size + rounding) if np.isfinite(size) else False
 
 
 def field_carried(
@@ -95,11 +95,15 @@ def field_carried(
     size = float(np.linalg.norm(rate / scale)) or 1.0
     if not np.isfinite(size):
         return False
-    step = STEP / size
-    image = imaged(symmetry, x, p)
-    moved = (imaged(symmetry, x + step * rate, p) - imaged(symmetry, x - step * rate, p)) / (2.0 * step)
-    own = there.field(t + later, image[there.states], there.c)
-    return _close(moved[there.states] / scale[there.states], own / scale[there.states])
+    step, moved = STEP / size, np.zeros(len(x))
+    for share, weight in ((1.0, 8.0), (2.0, -1.0)):
+        ahead, behind = (imaged(symmetry, x + way * share * step * rate, p) for way in (1.0, -1.0))
+        moved += weight * (ahead - behind) / (12.0 * step)
+    image, own = imaged(symmetry, x, p)[there.states], scale[there.states]
+    # A machine far from where its states are zero: differences of its places are rounded as these are.
+    rounding = 4.0 * np.finfo(float).eps * float(np.linalg.norm(image / own)) / step
+    rate_there = there.field(t + later, image, there.c)
+    return _close(moved[there.states] / own, rate_there / own, rounding)
 
 
 def transition_carried(

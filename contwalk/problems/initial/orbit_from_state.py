@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -15,20 +15,21 @@ from contwalk.problems.conserving import with_own_values
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
 from contwalk.problems.initial.magnitudes import magnitudes_on
+from contwalk.problems.orbit.asymmetry import apart, asymmetries, state_at
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.cutting import first_cuts
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.own_image import OWN_IMAGE, carries
+from contwalk.problems.orbit.own_image import NEARLY, OWN_IMAGE, carries
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.shooting import Mesh, arrived, velocity
-from contwalk.problems.orbit.transport import carried_to
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
-# An orbit may be begun with so many times its period, and be told with its own.
-MOST_REPETITIONS = 12
+# An orbit may be begun with so many times its period at most, and be told with its own; what is that near to
+# where it began, between steps, is looked at.
+MOST_REPETITIONS, NEAR = 1000, 1e-2
 
 # A direction is neutral if it is so at a parameter that differs by this part of itself too.
 BESIDE = 1e-3
@@ -133,17 +134,42 @@ def repetitions(problem: PeriodicOrbit, z: np.ndarray) -> int:
 
     More than once, if it was begun with a multiple of its period.
     """
-    x, turns, still = problem.starts(z)[0], problem.turns, np.zeros(len(z))
+    return next((times for times, apart in _parts_apart(problem, z) if apart < OWN_IMAGE), 1)
+
+
+def nearly_less(problem: PeriodicOrbit, z: np.ndarray) -> bool:
+    """Whether an orbit z, shape (N + 1,), misses but little to repeat itself, or to be its own image.
+
+    The errors of its steps may hide that it does.
+    """
+    found = [apart for _, apart in _parts_apart(problem, z)]
+    found += asymmetries(problem, z).values()
+    return any(OWN_IMAGE <= apart < NEARLY for apart in found)
+
+
+def _parts_apart(problem: PeriodicOrbit, z: np.ndarray) -> Iterator[tuple[int, float]]:
+    """Into how many equal parts an orbit may be divided, and by how much it misses to repeat itself; the most
+    first.
+    """
+    turns = problem.turns
     own = np.array([s.period or 1.0 for s in problem.system.states])
-    most = problem.subharmonic if problem.forced else MOST_REPETITIONS
-    for times in range(most, 1, -1):
-        whole = np.allclose(np.round(turns / times / own), turns / times / own)
-        if (problem.forced and problem.subharmonic % times) or not whole:
-            continue
-        later = carried_to(problem, z, still, 1.0 / times)[0] - turns / times
-        if np.linalg.norm((later - x) / problem.mesh.variation) < OWN_IMAGE:
-            return times
-    return 1
+    steps = sum(len(times) for times in problem.mesh.steps)
+    most = problem.subharmonic if problem.forced else min(steps, MOST_REPETITIONS)
+    divisions = np.array(
+        [
+            times
+            for times in range(most, 1, -1)
+            if not (problem.forced and problem.subharmonic % times)
+            and np.allclose(np.round(turns / times / own), turns / times / own)
+        ],
+        dtype=int,
+    )
+    if not len(divisions):
+        return
+    for times, there in zip(divisions.tolist(), problem.view(z)[0].at(1.0 / divisions), strict=True):
+        if apart(problem, z, there - turns / times) < NEAR:
+            later = state_at(problem, z, 1.0 / times)
+            yield times, apart(problem, z, later - turns / times)
 
 
 def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> None:
@@ -196,17 +222,15 @@ def symmetric(
     None where it has none. `z` is a solution that closes fully; it and the weights have the shape (N + 1,).
     """
     n, p = problem.states, ParameterValues(**problem.values_of(z))
-    x, scale = problem.starts(z)[0], problem.mesh.variation
+    x = problem.starts(z)[0]
     for symmetry in problem.system.symmetries:
         order = order_of(symmetry, x, p)
         if symmetry.role != "spatial" or order is None or order < 2 or np.any(problem.turns):
             continue
-        later = carried_to(problem, z, np.zeros(len(z)), 1.0 / order)[0]
+        later = state_at(problem, z, 1.0 / order)
         for power in range(1, order):
             image = imaged(symmetry, later, p, power)
-            if np.linalg.norm((image - x) / scale) > OWN_IMAGE or not carries(
-                problem, z, symmetry, power, order
-            ):
+            if apart(problem, z, image) > OWN_IMAGE or not carries(problem, z, symmetry, power, order):
                 continue
             other = problem.closing(np.zeros(n), symmetry.name, power, order)
             scalars = problem.scalars(z).copy()

@@ -13,6 +13,8 @@ from contwalk.system.declarations import ParameterValues
 
 # An orbit is its own image if it meets it this nearly, in units of its range: corrected orbits do to 1e-8.
 OWN_IMAGE = 1e-5
+# One that misses that by less may be its own image but for the errors of its steps.
+NEARLY = 1e-2
 
 
 def carries(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, order: int) -> bool:

@@ -1,0 +1,28 @@
+"""A first orbit solved again on steps so fine that their errors hide nothing of its symmetries."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import ContinuationState, begin
+from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.orbit_problem import OrbitProblem
+from contwalk.problems.problem import equations_at
+from contwalk.problems.sample import Sample
+
+Orbit = TypeVar("Orbit", bound=OrbitProblem)
+
+# Tolerance of these steps, in units of that along the branch.
+FINER = 1e-4
+
+
+def on_fine_steps(problem: Orbit, sample: Sample, settings: Settings) -> tuple[Orbit, Sample]:
+    """An orbit and its problem on fine steps; as they are where there is no solution on these."""
+    tolerance = max(FINER * problem.discretization.walking, FINEST)
+    finer = problem.refined(sample.z, sample.weights, tolerance)
+    again = begin(finer, sample.z, settings)
+    if not isinstance(again, ContinuationState):
+        return problem, sample
+    there, _ = equations_at(finer, again.sample.z)
+    return there, again.sample
