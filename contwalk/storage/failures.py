@@ -48,6 +48,32 @@ JOURNALS = {"_margins.journal": "margins", "_samples.journal": "sample"}
 AGAIN = "Restore the file from a copy, or compute it again with contwalk continue FILE --force."
 
 
+class AlreadyThereError(Exception):
+    """Another process has put a file where a new one was to be."""
+
+
+def put_in_place(draft: Path, target: Path, new: bool) -> None:
+    """Give a file that is whole its name; one that is `new` goes over no other.
+
+    Raises
+    ------
+    AlreadyThereError
+    """
+    if not new:
+        draft.replace(target)
+        return
+    try:
+        os.link(draft, target)
+    except FileExistsError:
+        raise AlreadyThereError from None
+    except OSError:  # a system of files without links
+        if target.exists():
+            raise AlreadyThereError from None
+        draft.replace(target)
+    else:
+        draft.unlink()
+
+
 @contextmanager
 def failures_of(path: Path, purpose: str) -> Iterator[None]:
     """Turn the errors of h5py and the operating system into a `DatabaseError` about `path`.

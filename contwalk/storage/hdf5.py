@@ -25,7 +25,14 @@ from contwalk.storage.database import (
     finished,
     unknown_branch,
 )
-from contwalk.storage.failures import check_input, check_output, check_space, failures_of
+from contwalk.storage.failures import (
+    AlreadyThereError,
+    check_input,
+    check_output,
+    check_space,
+    failures_of,
+    put_in_place,
+)
 from contwalk.storage.file_database import FileDatabase
 from contwalk.storage.hdf5_branch import StoredBranch
 from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, dataset_in, read_header
@@ -64,8 +71,10 @@ class Hdf5Database(FileDatabase):
             check_output(path, overwrite)
             replaced = acquire(path) if path.exists() else None
         try:
-            with _placed(path, header) as (file, lock):
+            with _placed(path, header, new=replaced is None) as (file, lock):
                 pass
+        except AlreadyThereError:  # another process was faster
+            return cls.create(path, header, overwrite)
         finally:
             if replaced is not None:
                 replaced.release()
@@ -282,9 +291,20 @@ class Hdf5Database(FileDatabase):
 
 @contextlib.contextmanager
 def _placed(
-    path: Path, header: RunHeader, notes: np.ndarray | None = None, branches: int = 0, purpose: str = "create"
+    path: Path,
+    header: RunHeader,
+    notes: np.ndarray | None = None,
+    branches: int = 0,
+    purpose: str = "create",
+    new: bool = False,
 ) -> Iterator[tuple[h5py.File, Lock]]:
-    """A new file to fill, locked, which takes its place at `path`; if that fails, `path` stays as it was."""
+    """A new file to fill, locked, which takes its place at `path`; if that fails, `path` stays as it was.
+
+    Raises
+    ------
+    AlreadyThereError
+        If it is to be `new`, and another process has put a file there meanwhile.
+    """
     text = encode(asdict(header), "the header")
     target = Path(os.path.realpath(path))  # a symbolic link stays one
     draft = target.with_name(f".{target.name}.{os.getpid()}.new")
@@ -296,7 +316,7 @@ def _placed(
             lock = acquire(draft)
             yield file, lock
             file.flush()
-            draft.replace(target)
+            put_in_place(draft, target, new)
         except BaseException:
             if file is not None:
                 _abandon(file)

@@ -115,6 +115,20 @@ def check_stopped(journal: Path, files: Sequence[Path], resume: bool, force: boo
     refuse_existing(files, force or (resume and journal.exists()))
 
 
+def check_still_new(journal: Journal, files: Sequence[Path], force: bool) -> None:
+    """Refuse to go over what another process has written while this one got ready to begin.
+
+    Raises
+    ------
+    DatabaseError
+    """
+    try:
+        refuse_existing(files, force or bool(journal.kept))
+    except DatabaseError:
+        journal.remove()
+        raise
+
+
 def _line(entry: Mapping[str, Any]) -> bytes:
     text = json.dumps(dict(entry), sort_keys=True).encode()
     return f"{zlib.crc32(text):08x} ".encode() + text + b"\n"

@@ -21,6 +21,7 @@ from types import TracebackType
 from typing import Any, Generic, Protocol, TypeVar
 
 from contwalk.errors import ContwalkError
+from contwalk.workflow.interruptions import deaf
 
 Shared = TypeVar("Shared")
 Task = TypeVar("Task")
@@ -65,6 +66,7 @@ class Runs(Generic[Shared, Task, Result]):
     ) -> None:
         self._function, self._shared, self._jobs, self._executor = function, shared, jobs, executor
         self._pool: ProcessPoolExecutor | None = None
+        self._processes = 0
 
     def __enter__(self) -> Runs[Shared, Task, Result]:
         return self
@@ -115,14 +117,11 @@ class Runs(Generic[Shared, Task, Result]):
                     ) from error
 
     def _in_pool(self, tasks: Sequence[Task]) -> Iterator[Result]:
-        if self._pool is None:
-            self._pool = ProcessPoolExecutor(
-                self._jobs, get_context("spawn"), _prepare, (self._function, self._shared)
+        pool, given = self._pool_for(len(tasks)), iter(tasks)
+        with deaf():  # the first task begins the processes
+            waiting: deque[Future[Any]] = deque(
+                pool.submit(_run, task) for task in islice(given, AHEAD * self._jobs)
             )
-        pool, given = self._pool, iter(tasks)
-        waiting: deque[Future[Any]] = deque(
-            pool.submit(_run, task) for task in islice(given, AHEAD * self._jobs)
-        )
         try:
             while waiting:
                 yield waiting.popleft().result()
@@ -131,10 +130,20 @@ class Runs(Generic[Shared, Task, Result]):
             for future in waiting:
                 future.cancel()
 
+    def _pool_for(self, tasks: int) -> ProcessPoolExecutor:
+        """Processes, no more than there are tasks."""
+        count = min(self._jobs, tasks)
+        if count > self._processes:
+            self._leave()
+        if self._pool is None:
+            given = get_context("spawn"), _prepare, (self._function, self._shared)
+            self._pool, self._processes = ProcessPoolExecutor(count, *given), count
+        return self._pool
+
     def _leave(self) -> None:
         if self._pool is not None:
             self._pool.shutdown(wait=True, cancel_futures=True)
-            self._pool = None
+            self._pool, self._processes = None, 0
 
 
 # In a worker: what makes a result of a task.

@@ -11,7 +11,7 @@ from typing import Any
 
 from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import failures_of
-from contwalk.storage.journal import Journal, check_stopped
+from contwalk.storage.journal import Journal, check_still_new, check_stopped
 from contwalk.storage.trajectory import Margins, write_margins
 from contwalk.studies.margins.solution import Solution
 from contwalk.studies.margins.survival import BEYOND
@@ -99,6 +99,7 @@ def margins(
     if plane is not None:
         identity |= {"basin": repr(wanted), "solutions known to the basin": plane.attractors.hashes}
     with Journal(journal, identity, resume) as kept:
+        check_still_new(kept, names.written(figures), force)
         rows = list(kept.kept[: len(rays)])
         with Runs(row_of, study, jobs, executor) as runs:
             for row in runs.in_order(rays[len(rows) :]):

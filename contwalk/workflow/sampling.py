@@ -14,7 +14,7 @@ import numpy as np
 from contwalk.flow.ensemble.sampling import BATCH, Measured
 from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import failures_of
-from contwalk.storage.journal import Journal, check_stopped
+from contwalk.storage.journal import Journal, check_still_new, check_stopped
 from contwalk.workflow.kept_motions import KeptMotions
 from contwalk.workflow.made_with import made_with_but_the_hour
 from contwalk.workflow.many_runs import Executor, Runs
@@ -116,6 +116,7 @@ def sample(
     check_stopped(journal, [database, table, *pictures], resume, force)
     draws = drawn(run, range(run.sampling.count))
     with Journal(journal, _identity(run, draws), resume) as on_disk:
+        check_still_new(on_disk, [database, table, *pictures], force)
         kept = KeptMotions(on_disk, run.sampling.count)
         try:
             _compute(run, draws, kept, threads, executor, progress)

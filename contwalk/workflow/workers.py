@@ -16,6 +16,7 @@ from itertools import islice
 from typing import Any
 
 from contwalk.continuation.ahead import Message, Task
+from contwalk.workflow.interruptions import deaf
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk
 from contwalk.workflow.walking_ahead import StudyText, Walker, failed_elsewhere
 
@@ -49,12 +50,13 @@ class _Process:
         self._pool = pool
         threads = {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "MKL", "OMP")}
         paths = {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "contwalk.workflow.worker"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env={**os.environ, **threads, **paths},
-        )
+        with deaf():
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "contwalk.workflow.worker"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                env={**os.environ, **threads, **paths},
+            )
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
 

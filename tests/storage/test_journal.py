@@ -8,7 +8,7 @@ import pytest
 
 from contwalk.errors import DatabaseError
 from contwalk.storage.failures import disk_full
-from contwalk.storage.journal import Journal
+from contwalk.storage.journal import Journal, check_still_new
 
 STUDY = {"study": "a", "rays": 3}
 
@@ -63,3 +63,16 @@ def test_a_full_disk_is_told_with_the_command_that_goes_on(name, command):
     error = disk_full(Path(f"x_{name}.journal"))
     assert "What it holds is kept." in str(error)
     assert f"contwalk {command} FILE --resume" in error.remedy
+
+
+def test_what_another_process_has_written_meanwhile_is_left_alone(tmp_path):
+    path, table = tmp_path / "j", tmp_path / "table.csv"
+    table.write_text("of a study that began a little earlier, and has ended\n")
+    with Journal(path, STUDY, resume=False) as journal:
+        with pytest.raises(DatabaseError, match="exists"):
+            check_still_new(journal, [table], force=False)
+        assert not path.exists()
+    written(path, {"n": 0})
+    with Journal(path, STUDY, resume=True) as journal:  # its files were being written when it was stopped
+        check_still_new(journal, [table], force=False)
+    assert path.exists()

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from contwalk.errors import ContwalkError
+from contwalk.workflow.interruptions import deaf
 from contwalk.workflow.many_runs import Runs
 
 
@@ -45,6 +46,21 @@ def test_results_come_in_the_order_of_the_tasks_from_other_processes():
     found = in_order(squared, 7, list(range(40)), jobs=2)
     assert [square for _, _, square in found] == [n**2 + 7 for n in range(40)]
     assert {process for _, process, _ in found}.isdisjoint({os.getpid()})
+
+
+def test_there_are_no_more_processes_than_tasks():
+    with Runs(squared, 0, jobs=500) as runs:
+        assert [square for _, _, square in runs.in_order([2, 3])] == [4, 9]
+        assert len(runs._pool._processes) == 2
+        assert [square for _, _, square in runs.in_order([2, 3, 4])] == [4, 9, 16]
+        assert len(runs._pool._processes) == 3
+
+
+def test_a_process_does_not_hear_of_an_interruption_before_it_has_begun():
+    with deaf():
+        slow = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(0.3)"])
+    slow.send_signal(signal.SIGINT)
+    assert slow.wait() == 0
 
 
 class Counted:
@@ -91,6 +107,7 @@ def test_anything_with_map_may_compute():
 
 KILLED = """\
 import os, time
+from contwalk.workflow.interruptions import deaf
 from contwalk.workflow.many_runs import Runs
 
 def number_of_process(shared, task):
