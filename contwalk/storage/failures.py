@@ -119,7 +119,7 @@ def explained(path: Path, purpose: str, error: Exception) -> DatabaseError:
     if purpose == "write" and not isinstance(error, ValueError):
         return WriteError(
             f"{path} cannot be written ({text}). {_kept(path)}",
-            f"Go on with: {_again(path)}",
+            f"Go on with: {again(path)}",
         )
     return DatabaseError(f"{path} is damaged and cannot be {_done(purpose)} ({text}).", AGAIN)
 
@@ -139,7 +139,7 @@ def _no_room(path: Path, purpose: str, what: str, remedy: str) -> DatabaseError:
         return DatabaseError(f"{what}: {path} cannot be created.", f"{remedy}, or choose another output.")
     return WriteError(
         f"{what}: {path} cannot grow. {_kept(path)}",
-        f"{remedy}, then go on with: {_again(path)}",
+        f"{remedy}, then go on with: {again(path)}",
     )
 
 
@@ -148,7 +148,7 @@ def _kept(path: Path) -> str:
     return "Every point stored before is kept." if _command(path) == "continue" else "What it holds is kept."
 
 
-def _again(path: Path) -> str:
+def again(path: Path) -> str:
     """The command that goes on with what a file is of."""
     return f"contwalk {_command(path)} FILE --resume"
 

@@ -10,12 +10,13 @@ import json
 import os
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from contwalk.errors import DatabaseError
-from contwalk.storage.failures import failures_of, refuse_existing
+from contwalk.errors import ContwalkError, DatabaseError, WriteError
+from contwalk.storage.failures import again, failures_of, refuse_existing
 from contwalk.storage.locking import lock
 
 
@@ -89,8 +90,26 @@ class Journal:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._file.close()
+        with suppress(OSError):  # what the disk did not take was told where it was written
+            self._file.close()
         self._lock.release()
+
+
+@contextmanager
+def going_on_from(journal: Path) -> Iterator[None]:
+    """What is computed is in a journal: where its files cannot be written, that and how to go on is told.
+
+    Raises
+    ------
+    WriteError
+    """
+    try:
+        yield
+    except ContwalkError as error:
+        raise WriteError(
+            f"{error.sentence} What was found is kept in {journal}.",
+            f"Mend that, then go on with: {again(journal)}",
+        ) from error
 
 
 def check_stopped(journal: Path, files: Sequence[Path], resume: bool, force: bool) -> None:

@@ -33,6 +33,12 @@ AHEAD = 8
 MOST_LOST = 3
 
 
+class LostWorkersError(ContwalkError):
+    """Processes that ended again and again while they computed the same."""
+
+    exit_code = 1
+
+
 class Executor(Protocol):
     """Anything with `map`: a process pool, `contwalk.workflow.cluster.Cluster`, an MPI pool.
 
@@ -81,7 +87,7 @@ class Runs(Generic[Shared, Task, Result]):
 
         Raises
         ------
-        ContwalkError
+        LostWorkersError
             If a task has killed its process again and again.
         """
         if self._executor is not None:
@@ -111,7 +117,7 @@ class Runs(Generic[Shared, Task, Result]):
                 self._leave()
                 lost = lost + 1 if done == begun else 1
                 if lost >= MOST_LOST:
-                    raise ContwalkError(
+                    raise LostWorkersError(
                         f"A worker process has died {lost} times at run {done}, without a word.",
                         "Was it killed for its memory? Try --jobs 1, which shows where it ends.",
                     ) from error

@@ -11,7 +11,7 @@ from typing import Any
 
 from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import failures_of
-from contwalk.storage.journal import Journal, check_still_new, check_stopped
+from contwalk.storage.journal import Journal, check_still_new, check_stopped, going_on_from
 from contwalk.storage.trajectory import Margins, write_margins
 from contwalk.studies.margins.solution import Solution
 from contwalk.studies.margins.survival import BEYOND
@@ -114,19 +114,20 @@ def margins(
                 basin = basin_of(run, plane, kept, kept.kept[len(rays) :], runs)
             notes += basin.notes
         stored = _to_store(run, study.solution, rows, notes, basin)
-        write_margins(names.database, stored)
-        files, drawn = [names.database], []
-        if rows:
-            _write_table(rows, names.table)
-            files.append(names.table)
-            if figures:
-                undrawn = drawn_margins(stored, run.system, names.picture)
-                notes += [undrawn] if undrawn else []
-                drawn.append(names.picture)
-        if basin is not None:
-            write_basin_table(basin, names.basin_table)
-            files.append(names.basin_table)
-            drawn += [drawn_basin(run, basin, names.basin_picture)] if figures else []
+        with going_on_from(journal):
+            write_margins(names.database, stored)
+            files, drawn = [names.database], []
+            if rows:
+                _write_table(rows, names.table)
+                files.append(names.table)
+                if figures:
+                    undrawn = drawn_margins(stored, run.system, names.picture)
+                    notes += [undrawn] if undrawn else []
+                    drawn.append(names.picture)
+            if basin is not None:
+                write_basin_table(basin, names.basin_table)
+                files.append(names.basin_table)
+                drawn += [drawn_basin(run, basin, names.basin_picture)] if figures else []
         kept.remove()
     return MarginsResult(rows, notes, files, drawn, basin)
 

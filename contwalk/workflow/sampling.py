@@ -14,7 +14,7 @@ import numpy as np
 from contwalk.flow.ensemble.sampling import BATCH, Measured
 from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import failures_of
-from contwalk.storage.journal import Journal, check_still_new, check_stopped
+from contwalk.storage.journal import Journal, check_still_new, check_stopped, going_on_from
 from contwalk.workflow.kept_motions import KeptMotions
 from contwalk.workflow.made_with import made_with_but_the_hour
 from contwalk.workflow.many_runs import Executor, Runs
@@ -124,10 +124,11 @@ def sample(
             kept.write()
         samples = _samples(run, draws, kept.found)
         summary = _summary(samples, kept.found)
-        write_samples(database, samples)
-        _write_table(samples, table)
-        for path in pictures:
-            _draw(run, samples, summary, path)
+        with going_on_from(journal):
+            write_samples(database, samples)
+            _write_table(samples, table)
+            for path in pictures:
+                _draw(run, samples, summary, path)
         on_disk.remove()
     return SampleResult(samples, summary, [database, table], pictures)
 

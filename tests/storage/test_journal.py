@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from contwalk.errors import DatabaseError
+from contwalk.errors import DatabaseError, WriteError
 from contwalk.storage.failures import disk_full
-from contwalk.storage.journal import Journal, check_still_new
+from contwalk.storage.journal import Journal, check_still_new, going_on_from
 
 STUDY = {"study": "a", "rays": 3}
 
@@ -76,3 +79,23 @@ def test_what_another_process_has_written_meanwhile_is_left_alone(tmp_path):
     with Journal(path, STUDY, resume=True) as journal:  # its files were being written when it was stopped
         check_still_new(journal, [table], force=False)
     assert path.exists()
+
+
+def test_a_disk_that_is_full_is_told_once_and_not_again_where_the_journal_is_closed(tmp_path, monkeypatch):
+    def full(*given):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    journal = Journal(tmp_path / "j", STUDY, resume=False)
+    journal._file.close()
+    monkeypatch.setattr(journal, "_file", SimpleNamespace(write=full, flush=full, close=full))
+    with pytest.raises(DatabaseError, match="disk is full"), journal:
+        journal.add({"n": 0})
+
+
+def test_files_that_cannot_be_written_in_the_end_are_told_with_the_way_to_go_on(tmp_path):
+    journal = tmp_path / "x_margins.journal"
+    with pytest.raises(WriteError) as caught, going_on_from(journal):
+        raise DatabaseError("The disk is full: x_margins.csv cannot be created.", "Free some space.")
+    assert caught.value.exit_code == 1
+    assert caught.value.sentence.endswith(f"cannot be created. What was found is kept in {journal}.")
+    assert caught.value.remedy == "Mend that, then go on with: contwalk margins FILE --resume"
