@@ -64,7 +64,7 @@ def walk(
     done : int
         How many points it has had since.
     """
-    origin, number = begun or state, 0
+    origin, number, point = begun or state, 0, (problem, state)
     try:
         while True:
             taken: Step | None = None
@@ -90,7 +90,7 @@ def walk(
                         return
                 taken = step
                 state = _arrived(problem, step, state, sign, settings, before, origin.sample)
-            problem, state = yield from _taken_up(problem, state, settings)
+            problem, state, point = yield from _taken_up(problem, state, settings)
             number += 1
             if done + number > 3 and taken is not None and closes(taken.segment, taken.found, origin.sample):
                 outcome = outcomes.closed()
@@ -105,13 +105,15 @@ def walk(
             reason, sentence, state.step, observer.line.free, state.sample.parameter, known
         )
     bound = _bound(state, settings, observer) if outcome.reason == "bound" else None
+    if point[1].s == state.s and not np.array_equal(point[1].sample.z, state.sample.z):
+        problem, state = point  # what follows would have begun elsewhere on the orbit: the end is the point
     yield End(outcome, end_record(problem, state, outcome, sign, bound=bound))
 
 
 def _taken_up(
     problem: Problem, state: ContinuationState, settings: Settings
-) -> Generator[Point, None, tuple[Problem, ContinuationState]]:
-    """A point on the steps, or with the borders, for what follows it."""
+) -> Generator[Point, None, tuple[Problem, ContinuationState, tuple[Problem, ContinuationState]]]:
+    """A point on the steps, or with the borders, for what follows it; and as it was told, on its own."""
     try:
         there, sample = adapted(problem, state.sample)
     except (NotFinite, np.linalg.LinAlgError):
@@ -119,15 +121,17 @@ def _taken_up(
         raise
     if _leaves_an_end(state.sample, sample, settings):
         yield Point(state)
-        return problem, state
+        return problem, state, (problem, state)
     problem = there
+    point = problem, state
     if np.array_equal(sample.z, state.sample.z):
         yield Point(state)
     else:  # on new steps the solution is another: that one is the point, and taken up as if stored
         state = replace(state, sample=sample)
+        point = problem, state
         yield Point(state)
         problem, sample = adapted(problem, sample)
-    return problem, replace(state, sample=sample)
+    return problem, replace(state, sample=sample), point
 
 
 def _leaves_an_end(before: Sample, after: Sample, settings: Settings) -> bool:
