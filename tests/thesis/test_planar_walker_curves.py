@@ -121,7 +121,7 @@ def assert_on_curve(name: str, of: str, place: tuple[float, float], closure: str
         x, y = curve[second][first : first + 7] - value, curve["alpha"][first : first + 7]
         own = np.append(True, np.abs(np.diff(x)) > 1e-3 * np.ptp(x))  # special points may lie close together
         x, y = x[own][:5], y[own][:5]
-        off = min(off, abs(float(np.polyval(np.polyfit(x / np.ptp(x), y, 4), 0.0)) - alpha))
+        off = min(off, abs(float(np.polyval(np.polyfit(x / np.ptp(x), y, len(x) - 1), 0.0)) - alpha))
     assert off <= NEAR, (of, off)
 
 
