@@ -112,7 +112,7 @@ class SoftOrbit(SoftEquations):
         for _ in range(MOST_WORDS):
             explicit, own, _ = problem._explicit_sample(sample)
             found = locate(explicit, own)
-            if found is None or softness.holds(found.problem or explicit, found.z):
+            if found is None or softness.holds(found.problem or explicit, found.z, unfolded=True):
                 return self._wrapped(found)
             there = self._wrapped(found)
             assert there is not None

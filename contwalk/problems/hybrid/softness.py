@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.hybrid.limits import Limit, conditions_at, limits_of_leg
 from contwalk.problems.hybrid.margin_values import ZERO, largest
 from contwalk.problems.hybrid.switching import rotated, shifted
+from contwalk.problems.hybrid.view import GuardedView
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary, Leg, modes_around
@@ -169,12 +171,15 @@ def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray, 
     )
 
 
-def holds(explicit: LimitedOrbit, unknowns: np.ndarray) -> bool:
+def holds(explicit: LimitedOrbit, unknowns: np.ndarray, unfolded: bool = False) -> bool:
     """Whether the soft transitions of an orbit are those that the machine meets: no guard is past zero.
 
-    Unknowns have the shape (N + 1,) of the explicit orbit.
+    Unknowns have the shape (N + 1,) of the explicit orbit. `unfolded`: whether they solve the equations but
+    for an unfolding: legs then do not meet by what the steps err, nor does the next one begin at its guard.
     """
-    for view in explicit.view(unknowns):
+    views = explicit.view(unknowns)
+    missed = _missed(explicit, views) if unfolded else 0.0
+    for view in views:
         for k, transition in enumerate(view.piece.passage.leaving):
             sign = {"falling": 1.0, "rising": -1.0}.get(transition.direction, 0.0)
             if transition.role != "soft" or sign == 0.0:
@@ -182,9 +187,17 @@ def holds(explicit: LimitedOrbit, unknowns: np.ndarray) -> bool:
             _, values, rates = view.guard(transition)
             turns = [value for _, _, value, _ in view.turning[k]]
             past = -float(np.min(sign * np.append(values, turns)))
-            if past > ZERO * largest(values, rates, view.duration, explicit.mesh.total):
+            zero = ZERO * largest(values, rates, view.duration, explicit.mesh.total)
+            if past > max(zero, 2.0 * missed):
                 return False
     return True
+
+
+def _missed(explicit: LimitedOrbit, views: Sequence[GuardedView]) -> float:
+    """The largest guard of a soft transition that an orbit has right after it: zero where its legs meet."""
+    after = zip(explicit.itinerary.legs[:-1], views[1:], strict=True)
+    soft = ((leg.transition, view) for leg, view in after if leg.soft and leg.transition is not None)
+    return max((abs(float(view.guard_values(own)[0])) for own, view in soft), default=0.0)
 
 
 def settled(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:

@@ -23,8 +23,8 @@ GLOBAL = 0.3
 UNKNOWN = 0.3
 # Two ways to leave the flow out that differ by less in all segments are one.
 LITTLE = 1e-6
-# Two multipliers whose product is one but for this are a pair.
-PAIRED = 1e-7
+# Two multipliers whose product is one but for this are a pair; where errors leave more, nothing tells them.
+PAIRED, TELLING = 1e-7, 1e-2
 # With a smaller share of the parameter in its tangent a family keeps it, as well as orbits are known.
 STILL = 1e-7
 # Noise of it is up to so many times what a solution is not known to in the metric, and never more than this.
@@ -143,7 +143,7 @@ class Multipliers:
             return self
         others = Multipliers(self.values[rest], self.errors[rest], self.accuracy)
         paired = reciprocal(others, self.of_sums).paired
-        if paired is None or not paired.all():
+        if paired is None or not paired.all() or _pairs_within(others.values, self.of_sums) > TELLING:
             return self
         errors = np.where(rest, self.of_sums, self.errors)
         told = replace(self, errors=errors, paired=rest, own=~rest)
@@ -281,7 +281,7 @@ def reciprocal(found: Multipliers, error: float) -> Multipliers:
     `error` is that of the sum of a pair.
     """
     values, paired = found.values.copy(), np.zeros(len(found.values), dtype=bool)
-    near = max(PAIRED, 30.0 * error * max(1.0, float(np.abs(values[0]))))
+    near = _pairs_within(values, error)
     for i, value in enumerate(values):
         if paired[i]:
             continue
@@ -300,6 +300,11 @@ def reciprocal(found: Multipliers, error: float) -> Multipliers:
     circle = paired & (values.imag != 0.0)
     order = np.lexsort((-values.imag, -told.measures, -np.where(circle, 1.0, np.abs(values))))
     return Multipliers(values[order], errors[order], found.accuracy, paired[order])
+
+
+def _pairs_within(values: np.ndarray, error: float) -> float:
+    """How far from one products of pairs may be, of values (r,) whose sums have this error."""
+    return max(PAIRED, 30.0 * error * float(np.max(np.abs(values), initial=1.0)))
 
 
 def _eigenvalues(
