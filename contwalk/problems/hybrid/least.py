@@ -19,13 +19,12 @@ from contwalk.problems.hybrid.switching import shifted
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary, Leg, has_image, imaged_leg
+from contwalk.problems.orbit.own_image import NEARLY
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
 
 # Two orbits whose states differ by less than this part of their variation are one.
 ALIKE = 1e-6
-# Those that differ by less may be one but for the errors of their steps.
-NEARLY = 1e-2
 
 
 def least(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:

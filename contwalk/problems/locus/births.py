@@ -16,8 +16,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
-from contwalk.problems.equilibrium.points.hopf_to_orbit import from_hopf
-from contwalk.problems.hybrid.birth import eventful
+from contwalk.problems.equilibrium.points.hopf import Hopf
 from contwalk.problems.locus.doubled_orbits import born_beside
 from contwalk.problems.locus.lines import whole_plane
 from contwalk.problems.locus.normal_forms import cubic_rate
@@ -212,5 +211,5 @@ def _cycles(problem: Any, z: np.ndarray, kappa: float, rate: float) -> Seed:
     resting = Equilibrium(
         problem.system, values, "path", whole_plane(values, free), problem.pins, z[:n], problem.discretization
     )
-    (seed,) = from_hopf(resting, record)
-    return eventful(seed) if problem.system.has_events else seed
+    (seed,) = Hopf().seeds(resting, record)
+    return seed

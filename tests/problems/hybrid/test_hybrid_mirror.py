@@ -15,6 +15,7 @@ from functools import cache
 import numpy as np
 import pytest
 from hybrid_runs import ACCURACY, assert_met, diagram, machine, solution
+from lorenz_mirrors import field, mirror, travelling, travelling_mirror
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.opening import Opening
@@ -29,32 +30,8 @@ from contwalk.system import Neutral, Symmetry, System, Transition
 from contwalk.workflow.stored.orbits import orbit_at
 
 WALKED = 100.0 * ACCURACY
-SIGMA, B = 10.0, 8.0 / 3.0
 RANGE = (200.0, 330.0)
 START = [1.0, 10.0, 300.0]
-
-
-def field(t, x, p, dx):
-    dx[0] = SIGMA * (x[1] - x[0])
-    dx[1] = x[0] * (p.rho - x[2]) - x[1]
-    dx[2] = x[0] * x[1] - B * x[2]
-
-
-def travelling(t, x, p, dx):
-    field(t, x, p, dx)
-    dx[3] = x[0]
-    dx[4] = x[2]
-
-
-def mirror(t, x, p, image):
-    image[0], image[1], image[2] = -x[0], -x[1], x[2]
-
-
-def travelling_mirror(t, x, p, image):
-    mirror(t, x, p, image)
-    image[3], image[4] = -x[3], x[4]
-
-
 MIRROR = Symmetry("mirror", "spatial", mirror)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lorenz_mirrors import field, mirror, travelling, travelling_mirror
 from small_systems import small_system
 
 import contwalk as cw
@@ -20,27 +21,6 @@ from contwalk.system import Neutral, Symmetry
 
 # A state of the orbit, and half its period.
 STATE, HALF = [42.54492117, 94.88394548, 343.8106542, 7.0, -2.0], 0.2016847692
-
-
-def field(t, x, p, dx):
-    dx[0] = 10.0 * (x[1] - x[0])
-    dx[1] = x[0] * (p.rho - x[2]) - x[1]
-    dx[2] = x[0] * x[1] - 8.0 / 3.0 * x[2]
-
-
-def travelling(t, x, p, dx):
-    field(t, x, p, dx)
-    dx[3] = x[0]
-    dx[4] = x[2]
-
-
-def mirror(t, x, p, image):
-    image[0], image[1], image[2] = -x[0], -x[1], x[2]
-
-
-def travelling_mirror(t, x, p, image):
-    mirror(t, x, p, image)
-    image[3], image[4] = -x[3], x[4]
 
 
 def aside(t, x, p, v):
