@@ -8,28 +8,24 @@ import sys
 import traceback
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
 from contwalk.errors import ContwalkError, SystemDefinitionError, called
+from contwalk.memory import remembered
 from contwalk.system.declarations import System, nearest
 from contwalk.system.family import Family
+from contwalk.system.installed import installed
 from contwalk.system.plugin_files import hash_of, hashes_of_file, hashes_of_installed
 
-GROUP = "contwalk.systems"
+# Files of the systems that were loaded lately, by the hash of all.
+_LOADED: dict[str, dict[str, str]] = {}
+_MOST_LOADED = 16
 
 
 def list_systems() -> dict[str, str]:
     """Installed systems: entry-point name -> `module:attribute`."""
-    return {point.name: point.value for point in sorted(_installed(), key=lambda e: e.name)}
-
-
-@cache
-def _installed() -> tuple[EntryPoint, ...]:
-    """Entry points of systems; to find them all packages that are installed are looked through."""
-    return tuple(entry_points(group=GROUP))
+    return {point.name: point.value for point in sorted(installed(), key=lambda e: e.name)}
 
 
 def is_path(reference: str) -> bool:
@@ -54,7 +50,7 @@ def load_declaration(reference: str, base: Path | None = None) -> System | Famil
     """
     if is_path(reference):
         return _from_file((base or Path.cwd()) / reference, reference)
-    for point in _installed():
+    for point in installed():
         if point.name == reference:
             try:
                 return _checked(point.load(), reference)
@@ -82,7 +78,9 @@ def load_system(
         As `load_declaration`, and for a model choice that the system does not have.
     """
     reference = str(reference)
-    source = hash_of(plugin_files(reference, base))  # of what is loaded in the next line
+    files = plugin_files(reference, base)  # of what is loaded in the next line
+    source = hash_of(files)
+    remembered(_LOADED, source, _MOST_LOADED, lambda: files)
     declared = load_declaration(reference, base)
     if isinstance(declared, Family):
         system = called(f"system '{reference}'", declared.with_model, model or {})
@@ -96,6 +94,11 @@ def load_system(
     return replace(system, source=source)
 
 
+def files_of(system: System, reference: str, base: Path | None = None) -> dict[str, str]:
+    """As `plugin_files`, of a system that has been loaded: as the files were then, where that is known."""
+    return _LOADED.get(system.source) or plugin_files(reference, base)
+
+
 def plugin_files(reference: str, base: Path | None = None) -> dict[str, str]:
     """SHA-256 of each file of a plugin, by name; nothing of it is run.
 
@@ -104,7 +107,7 @@ def plugin_files(reference: str, base: Path | None = None) -> dict[str, str]:
     """
     if is_path(reference):
         return hashes_of_file((base or Path.cwd()) / reference)
-    point = next((point for point in _installed() if point.name == reference), None)
+    point = next((point for point in installed() if point.name == reference), None)
     return {} if point is None else hashes_of_installed(point)
 
 

@@ -14,12 +14,12 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from importlib.metadata import EntryPoint
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
 from contwalk import object_cache
+from contwalk.system.installed import Installed
 
 # What `ast.parse` raises for text that is no Python, or is nested beyond its means.
 _UNREADABLE = (SyntaxError, ValueError, RecursionError, MemoryError)
@@ -33,7 +33,7 @@ def hashes_of_file(path: Path) -> dict[str, str]:
     return _hashes(path.parent, _closure(path.parent, "", [path]))
 
 
-def hashes_of_installed(point: EntryPoint) -> dict[str, str]:
+def hashes_of_installed(point: Installed) -> dict[str, str]:
     """The same for an installed system, by paths in its package; empty where it cannot be found."""
     top, *rest = point.module.split(".")
     spec = find_spec(top) if top.isidentifier() else None  # imports nothing: the name has no dot

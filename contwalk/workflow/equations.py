@@ -7,6 +7,8 @@ import functools
 import hashlib
 import inspect
 import json
+import linecache
+import sys
 import textwrap
 import types
 from collections.abc import Callable, Iterator, Mapping
@@ -14,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from contwalk import object_cache
 from contwalk.fields.codegen import source
 from contwalk.memory import remembered
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
@@ -99,7 +102,24 @@ def _texts(value: Any, seen: set[int]) -> Iterator[str]:
 
 @functools.lru_cache(maxsize=1024)  # observables share helpers
 def _source_of(function: types.FunctionType) -> str:
-    """The source of a function as Python would write it; its code where there is none, or none of its own."""
+    """The source of a function as Python would write it; its code where there is none, or none of its own.
+
+    It is kept on disk under the text of its file, and where it stands in it: to read it takes longer.
+    """
+    code = function.__code__
+    linecache.checkcache(code.co_filename)
+    lines, place = linecache.getlines(code.co_filename), (code.co_name, str(code.co_firstlineno))
+    name = object_cache.key("source of a function", sys.version, *place, "".join(lines))
+    kept = object_cache.load_values(name) if lines else None
+    if kept is None:
+        kept = [_written(function)]
+        if lines:
+            object_cache.store_values(name, kept)
+    return str(kept[0])
+
+
+def _written(function: types.FunctionType) -> str:
+    """As `_source_of`, read."""
     try:
         return ast.unparse(ast.parse(textwrap.dedent(inspect.getsource(function))))
     except (OSError, TypeError, SyntaxError):  # made by exec; a lambda within an expression

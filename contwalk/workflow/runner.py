@@ -24,7 +24,7 @@ from contwalk.special_point import allowed_error
 from contwalk.storage.backends import backend_of
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.file_database import FileDatabase
-from contwalk.system.loading import plugin_files
+from contwalk.system.loading import files_of
 from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures_of_run import check_figures, drawn
 from contwalk.workflow.going_on import claims_of, differences, header_of_both
@@ -241,7 +241,7 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
     from contwalk.plotting.quantities import units_of
     from contwalk.version import __version__
 
-    files = plugin_files(run_file.system_reference, run_file.path.parent)
+    files = files_of(run_file.system, run_file.system_reference, run_file.path.parent)
     return {
         "contwalk_version": __version__,
         "python": sys.version.split()[0],
