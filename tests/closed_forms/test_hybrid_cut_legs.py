@@ -17,7 +17,7 @@ from hybrid_runs import assert_met, branch_of, diagram, machine, solution
 
 from contwalk.problems.hybrid import cut_legs, limit_rows
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.switching import rotated
+from contwalk.problems.hybrid.rotated import rotated
 from contwalk.problems.orbit import condensed, monodromy, variations
 from contwalk.system import System, Transition
 

@@ -19,7 +19,6 @@ from contwalk.problems.hybrid import (
     limits,
     limits_told,
     margin_values,
-    switching,
     undefined,
 )
 from contwalk.problems.hybrid.adjacent import corner
@@ -66,7 +65,6 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     asymmetries = least.asymmetries
     point_types = (*POINT_TYPES, *LIMIT_TYPES)
     branching_offset = 0.05
-    switching = switching
 
     # -- what is told of it ------------------------------------------------------------------------------
 

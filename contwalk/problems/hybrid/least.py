@@ -15,7 +15,7 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import cut_legs
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
-from contwalk.problems.hybrid.switching import shifted
+from contwalk.problems.orbit.along_pins import shifted
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary, Leg, has_image, imaged_leg

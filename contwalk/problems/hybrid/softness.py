@@ -17,8 +17,9 @@ from contwalk.problems.hybrid.grouping import NO_TIME
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.hybrid.limits import Limit, conditions_at, limits_of_leg
 from contwalk.problems.hybrid.margin_values import ZERO, largest
-from contwalk.problems.hybrid.switching import rotated, shifted
+from contwalk.problems.hybrid.rotated import rotated
 from contwalk.problems.hybrid.view import GuardedView
+from contwalk.problems.orbit.along_pins import shifted
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary, Leg, modes_around

@@ -230,7 +230,7 @@ def symmetric(
         later = state_at(problem, z, 1.0 / order)
         for power in range(1, order):
             image = imaged(symmetry, later, p, power)
-            if apart(problem, z, image) > OWN_IMAGE or not carries(problem, z, symmetry, power, order):
+            if apart(problem, z, image) > OWN_IMAGE or not carries(problem, z, symmetry, power, 1.0 / order):
                 continue
             other = problem.closing(np.zeros(n), symmetry.name, power, order)
             scalars = problem.scalars(z).copy()

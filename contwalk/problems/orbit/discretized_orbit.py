@@ -91,7 +91,9 @@ class DiscretizedOrbit(OrbitData):
         self, kind: type[Kind], itinerary: Itinerary, times: int = 1, turns: np.ndarray | None = None
     ) -> Kind:
         """As `of_itinerary`, of a class of orbits."""
-        other = kind(
+        other = kind.__new__(kind)  # smooth ones are asked for without the one itinerary that they have
+        DiscretizedOrbit.__init__(
+            other,
             self.system,
             itinerary,
             self.parameters,

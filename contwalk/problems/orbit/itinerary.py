@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import gcd
 from typing import Any
 
 from contwalk.system import Symmetry, System, Transition
@@ -107,9 +108,26 @@ class Itinerary:
         """The symmetry that is applied at the end of leg i."""
         return self.image if i == len(self) - 1 else ""
 
+    @property
+    def single(self) -> bool:
+        """Whether the closure is one leg that meets no event."""
+        return len(self) == 1 and not self.eventful
+
     def repeated(self, times: int) -> Itinerary:
         """The itinerary run through several times."""
         return Itinerary(continued(self.legs * times))
+
+    def gone_round(self, system: System, times: int) -> Itinerary:
+        """What is met on several closures, each the inverse image of the one before."""
+        legs, part = list(self.legs), self.legs
+        for _ in range(times - 1):
+            for _ in range((self.order - 1) * self.power if self.image else 0):
+                part = tuple(imaged_leg(system, self.image, leg) for leg in part)
+            legs += part
+        order = self.closures // gcd(self.closures, times)
+        if order == 1:
+            return Itinerary(continued(legs))
+        return Itinerary(continued(legs), self.image, times * self.power % self.order, order)
 
     def unfolded(self, system: System) -> Itinerary:
         """The itinerary of the whole period, where this one closes up to a symmetry."""

@@ -94,7 +94,12 @@ class Positions(ABC):
         return self.segments[first : first + self.cuts[i]]
 
     def filled(
-        self, other: Positions, vector: np.ndarray, states: Sequence[np.ndarray], inside: np.ndarray | float
+        self,
+        other: Positions,
+        vector: np.ndarray,
+        states: Sequence[np.ndarray],
+        inside: np.ndarray | float,
+        lasting: np.ndarray | None = None,
     ) -> np.ndarray:
         """Unknowns, or something of each, in these segments, of a vector of the same legs in others.
 
@@ -107,9 +112,12 @@ class Positions(ABC):
             What stands at the starts of all segments.
         inside : ndarray or float
             What stands in the place of times of cuts, where these are unknowns.
+        lasting : ndarray, optional
+            What stands in the place of durations, where the legs are others.
         """
         result = np.zeros(self.size + 1)
-        result[self.durations], result[self.drifts] = vector[other.durations], vector[other.drifts]
+        result[self.durations] = vector[other.durations] if lasting is None else lasting
+        result[self.drifts] = vector[other.drifts]
         if self.start is not None:
             result[self.start] = vector[other.start]
         if self.times is not None:

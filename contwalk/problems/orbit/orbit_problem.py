@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from contwalk.problems.orbit import (
     rates,
     remesh,
     reporting,
+    switching,
 )
 from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
 from contwalk.problems.orbit.discretization import FINEST
@@ -44,28 +45,14 @@ from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 
 
-class Switching(Protocol):
-    """The branches that leave one kind of orbits, as functions over them."""
-
-    def doubled(self, problem: Any, z: np.ndarray, /) -> Sequence[Seed]:
-        """The orbit of twice the closure that leaves where a multiplier is -1. z has the shape (N + 1,)."""
-
-    def unfolded(self, problem: Any, z: np.ndarray, /) -> Sequence[Seed]:
-        """The whole orbit without its symmetry that leaves where a multiplier of its part is -1.
-
-        z has the shape (N + 1,).
-        """
-
-
 class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
     """The part of a problem of orbits that does not depend on how they are discretised."""
 
     first_passed, same = equivalence.first_passed, equivalence.same
     beginnings = metric.beginnings
     reported = reporting.reported
+    doubled_from, unfolded_from = switching.doubled, switching.unfolded
     location_tolerance = 1e-3  # solutions are solved for to a part of the tolerance only
-    # The module of what differs between kinds of orbits.
-    switching: Switching
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """Kinks of guards, resets and conditions, where there are any. z has the shape (N + 1,)."""
@@ -250,17 +237,6 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         z has the shape (N + 1,).
         """
         return discretized(self, z)
-
-    def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The orbit of twice the closure that leaves where a multiplier is -1. z has the shape (N + 1,)."""
-        return self.switching.doubled(self, z)
-
-    def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The whole orbit without its symmetry that leaves where a multiplier of its part is -1.
-
-        z has the shape (N + 1,).
-        """
-        return self.switching.unfolded(self, z)
 
     def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point of a kind."""

@@ -6,8 +6,9 @@ import numpy as np
 
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.orbit.itinerary import imaged_leg
+from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.orbit.shooting import velocity
-from contwalk.problems.orbit.transport import carried_to
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
@@ -15,41 +16,54 @@ from contwalk.system.declarations import ParameterValues
 OWN_IMAGE = 1e-5
 # One that misses that by less may be its own image but for the errors of its steps.
 NEARLY = 1e-2
+# States at which an orbit begins, and deviations there, that differ by less from their images are these.
+ALIKE = 1e-6
 
 
-def carries(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, order: int) -> bool:
-    """Whether the field itself has the symmetry, a part of the period later, at a state off the orbit.
+def carries(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, later: float) -> bool:
+    """Whether the first leg's field has the symmetry, a part of its time later, at a state off the orbit.
 
     z has the shape (N + 1,).
     """
-    p = ParameterValues(**problem.values_of(z))
-    values = problem.given(z)
-    x = problem.starts(z)[0] + 0.1 * problem.mesh.variation * np.cos(np.arange(1.0, problem.states + 1.0))
+    p, passage = ParameterValues(**problem.values_of(z)), problem.passages[0]
+    own, scale = list(passage.states), problem.mesh.variation
+    values = np.concatenate([problem.layout.inputs(0, z)[1], problem.line.constants])
+    x = passage.full(z[problem.layout.states[0]]) + 0.1 * scale * np.cos(np.arange(1.0, problem.states + 1.0))
     time, step = 0.3, 1e-6
-    f = velocity(problem.passages[0], x, time, values)
+    f = passage.full(velocity(passage, x[own], time, values))
     image = imaged(symmetry, x, p, power)
-    size = float(np.linalg.norm(f / problem.mesh.variation)) or 1.0
+    size = float(np.linalg.norm(f / scale)) or 1.0
     moved = (imaged(symmetry, x + step / size * f, p, power) - image) / (step / size)
-    there = velocity(problem.passages[0], image, time - 1.0 / order, values)
-    return bool(np.linalg.norm((moved - there) / problem.mesh.variation) < 1e-4 * size)
+    there = velocity(passage, image[own], time - later, values)
+    return bool(np.linalg.norm((moved[own] - there) / scale[own]) < 1e-4 * size)
 
 
-def halved(there: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) -> DiscretizedOrbit | None:
-    """The problem of doubled orbits whose halves are images of each other, if those beside z are that.
+def reversing(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> str:
+    """The symmetry that keeps each state of an orbit and reverses a deviation of it; empty if there is none.
 
-    z and tangent have the shape (N + 1,).
+    Then a doubled orbit that leaves along the deviation is its own image after half of it.
+
+    z has the shape (N + 1,), v (N,).
     """
-    if there.itinerary.image or np.any(there.turns):
-        return None
-    n, p, scale = there.states, ParameterValues(**there.values_of(z)), there.mesh.variation
-    x, v = z[:n], tangent[:n] / np.linalg.norm(tangent[:n] / scale)
-    later, moved = carried_to(there, z, tangent / np.linalg.norm(tangent[:n] / scale), 0.5)
-    for symmetry in there.system.symmetries:
-        if symmetry.role != "spatial" or order_of(symmetry, x, p) != 2:
-            continue
-        image = imaged(symmetry, later, p)
-        deviation = imaged(symmetry, later + moved, p) - image  # symmetries of machines are affine
-        own = max(float(np.linalg.norm(d / scale)) for d in (image - x, deviation - v))
-        if own < OWN_IMAGE and carries(there, z, symmetry, 1, 2):
-            return there.closing(np.zeros(n), symmetry.name, 1, 2)
-    return None
+    if problem.itinerary.image or np.any(problem.turns) or (problem.itinerary.eventful and problem.pins):
+        return ""
+    columns = cycle_scales(problem)[1]
+    v = v / float(np.linalg.norm(v / columns))
+    if np.any(np.abs(v[problem.layout.durations]) > ALIKE * problem.mesh.total):
+        return ""
+    spatial = (s for s in problem.system.symmetries if s.role == "spatial")
+    return next((s.name for s in spatial if _reverses(problem, z, v, s)), "")
+
+
+def _reverses(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, symmetry: Symmetry) -> bool:
+    p, scale, legs = ParameterValues(**problem.values_of(z)), problem.mesh.variation, problem.itinerary.legs
+    if any(imaged_leg(problem.system, symmetry.name, leg) != leg for leg in legs):
+        return False
+    if order_of(symmetry, problem.first_state(z), p) != 2:
+        return False
+    for place, passage in problem.places:
+        own, x, w = list(passage.states), passage.full(z[place]), passage.full(v[place])
+        moved = imaged(symmetry, x, p) - x, imaged(symmetry, x + w, p) - x + w
+        if max(float(np.linalg.norm((each / scale)[own])) for each in moved) > ALIKE:
+            return False
+    return carries(problem, z, symmetry, 1, 0.0)

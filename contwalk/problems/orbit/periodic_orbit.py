@@ -7,7 +7,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from contwalk.problems.orbit import asymmetry, switching, termination
+from contwalk.problems.orbit import asymmetry, termination
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
@@ -45,7 +45,6 @@ class PeriodicOrbit(OrbitProblem):
     limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
     branching_offset = 1.0
-    switching = switching
 
     def __init__(
         self,

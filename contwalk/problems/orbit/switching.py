@@ -1,17 +1,23 @@
-"""The branches of orbits that leave a special point of an orbit."""
+"""The branches of orbits that leave a special point of an orbit, but for changes of the itinerary.
+
+Where a multiplier is -1, what leaves follows the closure several times, with a deviation that changes its
+sign each time. Legs that end with events begin as these come, in their own times; a closure that is one leg
+goes on in the time of the whole.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from contwalk.problems.orbit import variations
+from contwalk.problems.orbit.along_pins import held
 from contwalk.problems.orbit.branching import amplitude
-from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.orbit.null_vectors import null_vectors
-from contwalk.problems.orbit.own_image import halved
+from contwalk.problems.orbit.own_image import reversing
 from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.orbit.shooting import velocity
 from contwalk.problems.orbit.transport import carried_to, following, segments_for
@@ -20,67 +26,98 @@ from contwalk.system.declarations import ParameterValues
 
 
 def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
-    """The orbit of twice the period that leaves along the critical vector.
+    """The orbit of twice the closure that leaves along the critical vector.
 
-    It is closed up to a declared symmetry if each half of it is the image of the other one.
+    It is closed up to a declared symmetry if each half of it is the image of the other one, as where a
+    symmetry keeps every state of the parent and reverses the critical vector.
 
     z has the shape (N + 1,).
     """
-    there, start, tangent = _followed(problem, z, 2, _doubled(problem))
-    half = halved(there, start, tangent)
-    if half is not None:
-        there, start, tangent = _followed(problem, z, 1, half)
-    return (Seed("PD", start, tangent, amplitude(tangent), there, one_sided=True),)
+    v = _critical(problem, z)
+    name = reversing(problem, z, v)
+    if name:
+        half = problem.of_itinerary(replace(problem.itinerary, image=name), 2)
+        return _leaving(problem, z, v, half, 1, "PD")
+    return _leaving(problem, z, v, _gone_round(problem, 2), 2, "PD")
 
 
 def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to. z has the shape (N + 1,)."""
-    closures = problem.itinerary.closures
-    whole = problem.closing(closures * problem.turns).varied(parts=closures)
-    there, start, tangent = _followed(problem, z, closures, whole)
-    return (Seed("BP", start, tangent, amplitude(tangent), there),)
+    times = problem.itinerary.closures
+    return _leaving(problem, z, _critical(problem, z), _gone_round(problem, times), times, "BP")
 
 
-def _doubled(problem: DiscretizedOrbit) -> DiscretizedOrbit:
-    """The problem of the orbits that close after two of this one's closures."""
-    itinerary, turns = problem.itinerary, 2.0 * problem.turns
-    if not itinerary.image:
-        other = problem.varied(subharmonic=2 * problem.subharmonic) if problem.forced else problem
-        return other.closing(turns).varied(parts=2)
-    order = itinerary.order // 2 if itinerary.order % 2 == 0 else itinerary.order
-    if order == 1:
-        return problem.closing(turns).varied(parts=2)
-    return problem.closing(turns, itinerary.image, 2 * itinerary.power % itinerary.order, order).varied(
-        parts=2
-    )
-
-
-def _followed(
-    problem: DiscretizedOrbit, z: np.ndarray, times: int, other: DiscretizedOrbit
-) -> tuple[Any, np.ndarray, np.ndarray]:
-    """A closure followed several times, the deviation changing its sign each time: an orbit of the other
-    problem on steps, and the tangent there.
-    """
+def _critical(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+    """The deviation whose multiplier is -1, of all unknowns, shape (N,)."""
     matrix = variations.cycle_matrix(problem, problem.linearize(z).jacobian, -1.0)
-    v, _ = null_vectors(problem, matrix, *cycle_scales(problem))
-    direction = np.append(v.real, 0.0)
-    scalars = problem.scalars(z).copy()
-    if not problem.forced:
-        scalars[0] *= times
-    # How deviations grow over the closures is known from one: they are not integrated in one piece to see it.
+    v: np.ndarray = null_vectors(problem, matrix, *cycle_scales(problem))[0].real
+    return v
+
+
+def _gone_round(problem: Kind, times: int) -> Kind:
+    """The problem of the orbits that close after so many of this one's closures."""
+    itinerary = problem.itinerary.gone_round(problem.system, times)
+    periods = times * itinerary.closures // problem.itinerary.closures
+    return problem.of_itinerary(itinerary, periods, times * problem.turns)
+
+
+def _leaving(
+    problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, other: DiscretizedOrbit, times: int, label: str
+) -> Sequence[Seed]:
+    """A closure followed several times, the deviation v, shape (N,), changing its sign each time: an orbit
+    of the other problem on steps, and the direction of its branch.
+    """
+    places, cuts = _places(problem, z, times)
+    parts = times if other.parts > 1 and times > 1 else other.parts
+    other = other.cut_at(cuts).varied(parts=parts)
+    direction, layout, states, deviations = np.append(v, 0.0), other.layout, [], []
+    for (leg, time), segment in zip(places, layout.segments, strict=True):
+        x, w = _at(problem, z, direction, time, leg)
+        if problem.itinerary.single:
+            w = w - _hurried(problem, z, direction, x, time)
+        own = list(other.passages[segment.leg].states)
+        states.append(x[own])
+        deviations.append(w[own])
+    lasting, changing = (
+        _joined(problem, vector[problem.layout.durations], signs)
+        for vector, signs in ((z, np.ones(times)), (direction, (-1.0) ** np.arange(times)))
+    )
+    still = direction.copy()  # drifts change their sign with the closure: those of the whole do not change
+    still[problem.layout.drifts] = 0.0
+    start = layout.filled(problem.layout, z, states, cuts[1:], lasting)
+    tangent = layout.filled(problem.layout, still, deviations, 0.0, changing)
+    weights = other.weighted(problem.mesh.variation)
+    there = other.adapted_to(start, weights, problem.discretization.walking)
+    if problem.pins:
+        start, tangent = held(there, start, tangent)
+        there = other.adapted_to(start, weights, problem.discretization.walking)
+    tangent = there.into_section(start, tangent)
+    return (Seed(label, start, tangent, amplitude(tangent), there, one_sided=label == "PD"),)
+
+
+def _places(
+    problem: DiscretizedOrbit, z: np.ndarray, times: int
+) -> tuple[list[tuple[int, float]], np.ndarray]:
+    """Where the segments of an orbit start that follows a closure several times: in which leg of that, and
+    when in it, later ones in later rounds; and the times of each leg at which it is cut.
+
+    How deviations grow over the closures is known from one: they are not integrated in one piece to see it.
+    """
+    if not problem.itinerary.single:
+        rounds = [(k, segment) for k in range(times) for segment in problem.layout.segments]
+        own = [(each.leg, k + each.begin) for k, each in rounds if not _goes_on(problem, k, each.leg)]
+        return own, np.arange(problem.cuts) / problem.cuts
     if problem.uneven and problem.mesh.segments > 1:
         when = np.concatenate([problem.mesh.cuts + closures for closures in range(times)])
     else:
-        count = segments_over(problem, z, times)
+        count = segments_over(problem, z, times) if problem.in_closure else times * problem.cuts
         when = np.arange(count) * times / count
-    reached = [(*_at(problem, z, direction, float(time)), float(time)) for time in when]
-    cut = [(x, w - _hurried(problem, z, direction, x, time)) for x, w, time in reached]
-    start = other.layout.joined(np.array([x for x, _ in cut]), scalars, when / times)
-    own = np.tile(problem.mesh.variation * np.sqrt(len(when)), len(when))
-    weights = other.layout.joined(own, np.abs(scalars), 1.0)
-    there = other.adapted_to(start, weights, problem.discretization.walking)
-    deviations = other.layout.joined(np.array([w for _, w in cut]), np.zeros(len(scalars)))
-    return there, start, there.into_section(start, deviations)
+    return [(0, float(time)) for time in when], when / times
+
+
+def _goes_on(problem: DiscretizedOrbit, closures: int, leg: int) -> bool:
+    """Whether a leg continues the last one of the closure before, which no event ended."""
+    return leg == 0 and closures > 0 and not problem.itinerary.eventful
 
 
 def segments_over(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> int:
@@ -98,6 +135,20 @@ def segments_over(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> int:
     return count if each == 1 else max(count, times * each)
 
 
+def _joined(problem: DiscretizedOrbit, lasting: np.ndarray, signs: np.ndarray) -> np.ndarray:
+    """Durations of all legs over several rounds, or changes of them; those of each round have a sign.
+
+    Both have the shape of as many legs as have durations among the unknowns.
+    """
+    first, *later = [sign * lasting for sign in signs]
+    for own in later:
+        if problem.itinerary.eventful:
+            first = np.concatenate([first, own])
+        else:
+            first = np.concatenate([first[:-1], first[-1:] + own[:1], own[1:]])
+    return first
+
+
 def _hurried(
     problem: DiscretizedOrbit, z: np.ndarray, direction: np.ndarray, x: np.ndarray, time: float
 ) -> np.ndarray:
@@ -106,33 +157,28 @@ def _hurried(
     The deviation changes its sign with each closure, and the whole orbit's period and drifts stay what they
     are: its states are those at the same times of a clock that the deviation does not change.
     """
-    changes = direction[problem.layout.scalars]
-    values, columns = problem.given(z), len(changes)
+    values, changes = (problem.layout.inputs(0, vector)[1] for vector in (z, direction))
+    values, columns = np.concatenate([values, problem.line.constants]), len(changes)
     since, began = abs((time + 1.0) % 2.0 - 1.0), time % 1.0
     if not np.any(changes) or since == 0.0:
         return np.zeros(problem.states)
-    faster = values.copy()
+    faster, passage = values.copy(), problem.passages[0]
     faster[:columns] += changes  # the field is linear in each
-    return since * (
-        velocity(problem.passages[0], x, began, faster) - velocity(problem.passages[0], x, began, values)
-    )
-
-
-def _next(
-    problem: DiscretizedOrbit, x: np.ndarray, w: np.ndarray, p: ParameterValues
-) -> tuple[np.ndarray, np.ndarray]:
-    """What follows a closure, with the deviation's sign changed."""
-    image, deviation = following(problem, x, w, p)
-    return image, -deviation
+    own = x[list(passage.states)]
+    return since * passage.full(velocity(passage, own, began, faster) - velocity(passage, own, began, values))
 
 
 def _at(
-    problem: DiscretizedOrbit, z: np.ndarray, direction: np.ndarray, time: float
+    problem: DiscretizedOrbit, z: np.ndarray, direction: np.ndarray, time: float, leg: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """State and deviation at a time in closures, which may exceed one."""
-    p = ParameterValues(**problem.values_of(z))
+    """Full state and deviation at a time of a leg that may exceed one: in a later round, each of which has
+    the deviation of the one before with the other sign. Each has the shape (n,).
+    """
+    p, passage = ParameterValues(**problem.values_of(z)), problem.passages[leg]
     whole = int(np.floor(time + 1e-12))
-    x, v = carried_to(problem, z, direction, min(time - whole, 1.0) if time > whole else 0.0)
+    found = carried_to(problem, z, direction, min(time - whole, 1.0) if time > whole else 0.0, leg)
+    x, w = (passage.full(own) for own in found)
     for _ in range(whole):
-        x, v = _next(problem, x, v, p)
-    return x, v
+        x, w = following(problem, x, w, p)
+        w = -w
+    return x, w

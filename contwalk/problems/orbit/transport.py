@@ -38,10 +38,10 @@ STEEP = 0.1
 
 
 def carried_to(
-    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, time: float
+    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, time: float, leg: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """State and tangent of an orbit of one leg at a time of it, 0..1, each of shape (n,)."""
-    return passed_at(problem, z, tangent, 0, np.array([time]))[0]
+    """State and tangent of an orbit at a time of a leg, 0..1, each of shape (n_i,)."""
+    return passed_at(problem, z, tangent, leg, np.array([time]))[0]
 
 
 def passed_at(

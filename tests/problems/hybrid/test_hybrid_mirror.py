@@ -22,7 +22,7 @@ from contwalk.continuation.opening import Opening
 from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
 from contwalk.problems.hybrid.following import follows
-from contwalk.problems.hybrid.switching import rotated
+from contwalk.problems.hybrid.rotated import rotated
 from contwalk.problems.orbit.discretization import SOLVED
 from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.studies.opening_eventful import opened_itinerary

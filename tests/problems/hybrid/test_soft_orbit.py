@@ -17,8 +17,8 @@ from hybrid_runs import ACCURACY, diagram, machine, solution
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.problems.hybrid.forward_solution import solved_forward
 from contwalk.problems.hybrid.grouping import Grouping
+from contwalk.problems.hybrid.rotated import rotated
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, softened_seed
-from contwalk.problems.hybrid.switching import rotated
 from contwalk.problems.orbit import equations
 from contwalk.problems.problem import Seed
 from contwalk.system import System, Transition

@@ -15,7 +15,7 @@ from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrb
 from contwalk.problems.hybrid.adjacent.removal import removed
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
-from contwalk.problems.hybrid.switching import rotated
+from contwalk.problems.hybrid.rotated import rotated
 from contwalk.problems.orbit.fine_steps import discretized
 
 SECANTS = 12

@@ -18,7 +18,7 @@ from contwalk.problems.hybrid.adjacent.orbit import (
 )
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.hybrid.switching import rotated
+from contwalk.problems.hybrid.rotated import rotated
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.system import Transition
