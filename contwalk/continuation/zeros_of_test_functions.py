@@ -15,6 +15,8 @@ from contwalk.problems.problem import PointType, Test
 
 # Where a function is looked at on a segment: more than its ends, so that zeros that come in pairs show.
 PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
+# Where one that is dear is looked at first: where it stays far from zero there, it is not asked again.
+FEWER = (0.0, 0.5, 1.0)
 # An extremum between them is looked for this often, each time in two thirds of where it lies.
 NARROWER = 12
 # An extremum is looked for where it may come this near to zero, against the values beside it.
@@ -97,10 +99,19 @@ def _may_pass(segment: Segment, kind: PointType) -> bool:
     It is asked of the arc between both ends: that is many times nearer to the solutions than the function's
     course tells, and costs no solution.
     """
-    try:
-        known = {theta: kind.value(segment.problem, segment.nearly(theta)) for theta in PLACES}
-    except (NotFinite, PluginError, np.linalg.LinAlgError):  # the solutions tell more
-        return True
+    known: dict[float, float] = {}
+    for places in (FEWER, PLACES) if kind.dear else (PLACES,):
+        try:
+            known |= {t: kind.value(segment.problem, segment.nearly(t)) for t in places if t not in known}
+        except (NotFinite, PluginError, np.linalg.LinAlgError):  # the solutions tell more
+            return True
+        if not _doubtful({theta: known[theta] for theta in places}):
+            return False
+    return True
+
+
+def _doubtful(known: dict[float, float]) -> bool:
+    """Whether values at some places leave room for a zero between them."""
     values = list(known.values())
     nothing = not any(values) or not np.any(np.isfinite(values))
     alike = nothing or all(a * b > 0.0 for a, b in pairwise(values))
@@ -109,7 +120,8 @@ def _may_pass(segment: Segment, kind: PointType) -> bool:
 
 def _nearest_to_zero(known: dict[float, float], near: float = NEAR_ZERO) -> list[float]:
     """Places beside which a function may pass zero twice: the parabola through three values comes near it."""
-    triples = zip(PLACES, PLACES[1:], PLACES[2:], strict=False)
+    places = list(known)
+    triples = zip(places, places[1:], places[2:], strict=False)
     return [middle for low, middle, high in triples if _reaches(known[low], known[middle], known[high], near)]
 
 

@@ -120,8 +120,8 @@ class PointType:
         Whether it is special; what only changes the unstable count is not.
     saddles : bool
         Whether a curve of Hopf points goes on as neutral saddles beyond.
-    of_place : bool
-        Whether `value` asks of a sample nothing but its z and its tangent.
+    of_place, dear : bool
+        Whether `value` asks of a sample nothing but z and tangent, and then costs as much as a solution.
     """
 
     label: ClassVar[str]
@@ -135,6 +135,7 @@ class PointType:
     told: ClassVar[bool] = True
     saddles: ClassVar[bool] = False
     of_place: ClassVar[bool] = False
+    dear: ClassVar[bool] = False
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The function that passes zero at such points, where `test` is `Test.VALUE`, or `along`."""
@@ -289,8 +290,7 @@ class Meshed(Anchored, Protocol):
 class Problem(Protocol):
     """Equations F(u, lambda) = 0 with what is special about their solutions.
 
-    What only some problems have, or what is asked for one purpose, are objects of their own, which may be the
-    problem itself.
+    What only some problems have, or is asked for one purpose, are objects of their own, or itself.
     """
 
     # As it is stored with a branch.

@@ -19,10 +19,11 @@ class Zero(PointType):
 
     label, test = "XX", Told.VALUE
 
-    def __init__(self, zeros: Sequence[float], of_place: bool = True) -> None:
-        self.zeros, self.of_place = zeros, of_place
+    def __init__(self, zeros: Sequence[float], of_place: bool = True, dear: bool = False) -> None:
+        self.zeros, self.of_place, self.dear, self.asked = zeros, of_place, dear, 0
 
     def value(self, problem: MadeUp, sample: Sample) -> float:
+        self.asked += 1
         return float(np.prod(sample.z[0] - np.array(self.zeros)))
 
     def locate(self, problem: MadeUp, sample: Sample, which: int) -> Located | None:
@@ -36,10 +37,10 @@ def curve(kind: Zero) -> MadeUp:
     return problem
 
 
-@pytest.mark.parametrize("of_place", [True, False])
+@pytest.mark.parametrize(("of_place", "dear"), [(True, False), (False, False), (True, True)])
 @pytest.mark.parametrize("zeros", [(0.2,), (0.2, 0.23), (0.11, 0.12), (0.05, 0.3), (0.31, 0.39)])
-def test_zeros_alone_and_in_pairs(zeros, of_place) -> None:
-    problem = curve(Zero(zeros, of_place))
+def test_zeros_alone_and_in_pairs(zeros, of_place, dear) -> None:
+    problem = curve(Zero(zeros, of_place, dear))
     segment = problem.segment([0.0, 0.0], [0.4, 0.464])
     assert [f.located.z[0] for f in zeros_of_test_functions(segment)] == list(zeros)
 
@@ -50,6 +51,13 @@ def test_no_solution_is_computed_where_a_function_of_places_passes_nothing() -> 
     before = problem.evaluated
     assert zeros_of_test_functions(segment) == []
     assert problem.evaluated == before
+
+
+@pytest.mark.parametrize(("dear", "asked"), [(False, 5), (True, 3)])
+def test_a_function_that_is_dear_and_far_from_zero_is_asked_at_fewer_places(dear, asked) -> None:
+    kind = Zero((-1.0, 2.0), dear=dear)
+    assert zeros_of_test_functions(curve(kind).segment([0.0, 0.0], [0.4, 0.464])) == []
+    assert kind.asked == asked
 
 
 class Pole(Zero):

@@ -203,13 +203,11 @@ def cubic_of_torus(map_: SectionMap, theta: float) -> tuple[complex, float]:
     a, turn = map_.a, np.exp(1j * theta)
     q, p = map_.critical(turn)
     one = np.eye(len(q))
-    second = {phi: map_.curve(_turned(q, phi), None, 0.0, 2)[1] for phi in np.arange(3) * np.pi / 3.0}
+    turns = np.arange(4) * np.pi / 4.0  # the same lines for both orders, whose second derivatives are kept
+    second = {phi: map_.curve(_turned(q, phi), None, 0.0, 2)[1] for phi in turns}
     h11 = np.linalg.solve(one - a, 0.5 * np.mean(list(second.values()), axis=0))
     h20 = np.linalg.solve(turn**2 * one - a, _harmonic(second, 2))
-    third = {
-        phi: map_.curve(_turned(q, phi), _turned(h20, 2.0 * phi) + 2.0 * h11)[2]
-        for phi in np.arange(4) * np.pi / 4.0
-    }
+    third = {phi: map_.curve(_turned(q, phi), _turned(h20, 2.0 * phi) + 2.0 * h11)[2] for phi in turns}
     alone, whole = map_.curve(_turned(q, 0.0))[2], third[0.0]
     d = complex(np.conj(turn) * (p @ _harmonic(third, 1))) / 6.0
     return d, float(np.abs(p) @ (np.abs(alone) + np.abs(whole - alone))) / 6.0

@@ -10,10 +10,12 @@ directions starts and ends do not move: the drifts change along a curve so that 
 from __future__ import annotations
 
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 
 from contwalk import flow
+from contwalk.memory import remembered
 from contwalk.numerics.spectrum import complement
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit import monodromy
@@ -23,6 +25,8 @@ from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.period import period_map
 
 ORDERS = 3
+# Second derivatives of segments along lines that are kept: a normal form has several curves of few lines.
+MOST_BENDS = 4096
 # Gauss-Legendre quadrature over a leg's own time: deviations are smooth between events.
 INSTANTS = 48
 # Samples over a closure without events: evenly spaced, so that the mean converges fast.
@@ -47,6 +51,8 @@ class ReturnMap(SectionMap):
         if rows:
             self.basis = complement((np.array(rows) * magnitudes).T) * magnitudes[:, None]
         self.coordinates = (self.basis / magnitudes[:, None]).T / magnitudes
+        self._bends: dict[Any, np.ndarray] = {}
+        self._pinned: dict[int, list[np.ndarray]] = {}
 
     @cached_property
     def _round_trip(self) -> list[int]:
@@ -164,12 +170,13 @@ class ReturnMap(SectionMap):
             for o in range(ORDERS):
                 lasts, begins = [lasting[o]] * groups["T"], [times[o]] * groups["s"]
                 directions.append(np.array([*lasts, *begins, *drifts[o], lam if o == 0 else 0.0]))
-            if j == 0:  # no integration: the derivatives are known
-                end = self._derivatives[number] @ np.concatenate([states[0], directions[0]])
+            if j < 2:  # what is linear needs no integration: the derivatives are known
+                end = self._derivatives[number] @ np.concatenate([states[j], directions[j]])
+                if j == 1:
+                    end += self._bent(number, states[0], directions[0])
             else:
                 out = piece.end(JET, np.concatenate([x, *states]), scalars, *directions)
-                each = len(out) // (ORDERS + 1)
-                end = out[(j + 1) * each : (j + 2) * each]
+                end = out[-(len(out) // (ORDERS + 1)) :]
             if piece.inner or not groups["T"]:
                 lasting[j] = 0.0
             elif piece.passage.leg.transition is not None or not problem.forced:
@@ -179,6 +186,21 @@ class ReturnMap(SectionMap):
             ends.append(end[:width] + by_duration * lasting[j])
         later = [t + d for t, d in zip(times, lasting, strict=True)]
         return ends + [np.zeros(width)] * (ORDERS - order), later
+
+    def _bent(self, number: int, moved: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Second derivative of a segment's end along a line of starts, shape (n,), and scalars, (k,).
+
+        Curves with one first derivative share it: what bends them enters to first order.
+        """
+
+        def made() -> np.ndarray:
+            (x, scalars), nothing = self._inputs[number], np.zeros(len(direction))
+            start = np.concatenate([x, moved, np.zeros(2 * len(x))])
+            out = self.problem.segments[number].end(JET, start, scalars, direction, nothing, nothing)
+            each = len(out) // (ORDERS + 1)
+            return np.asarray(out[2 * each : 3 * each])
+
+        return remembered(self._bends, (number, moved.tobytes(), direction.tobytes()), MOST_BENDS, made)
 
     @cached_property
     def a(self) -> np.ndarray:
@@ -229,11 +251,11 @@ class ReturnMap(SectionMap):
             instants, shares = self._quadrature(k)
             states = flow.interpolation(field, c, piece.steps, nodes, piece.method)(instants)
             scale = half[list(piece.passage.states)]
-            deviations = self._across_pins(i, states[:, :n], states[:, n:]) / scale
+            deviations = self._across_pins(k, states[:, :n], states[:, n:]) / scale
             if not problem.forced:
                 plain = piece.passage.field(PLAIN)
                 own = plain.constants(piece.values(scalars))
-                along = self._across_pins(i, states[:, :n], plain.along(instants, states[:, :n], own)) / scale
+                along = self._across_pins(k, states[:, :n], plain.along(instants, states[:, :n], own)) / scale
                 along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
                 deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
             total += float(shares @ np.sum(deviations**2, axis=1))
@@ -253,18 +275,21 @@ class ReturnMap(SectionMap):
         instants = first + (last - first) * (inside - segment.begin) / (segment.end - segment.begin)
         return np.clip(instants, first, last), np.full(len(inside), 1.0 / SAMPLES)
 
-    def _across_pins(self, i: int, states: np.ndarray, deviations: np.ndarray) -> np.ndarray:
-        """Deviations at some states of a leg without their parts along pinned directions."""
+    def _across_pins(self, number: int, states: np.ndarray, deviations: np.ndarray) -> np.ndarray:
+        """Deviations at some states of a segment without their parts along pinned directions."""
         problem = self.problem
         if not problem.pins:
             return deviations
-        passage, values = problem.passages[i], problem.values_of(self.z)
-        own, scale = list(passage.states), problem.mesh.variation[list(passage.states)]
-        result = []
-        for x, deviation in zip(passage.full(states), deviations, strict=True):
-            along = neutrals.directions(problem.system, problem.pins, x, values)[own]
-            result.append(neutrals.across(deviation, along, scale))
-        return np.array(result)
+        passage, values = problem.passages[problem.layout.segments[number].leg], problem.values_of(self.z)
+        own = list(passage.states)
+        if number not in self._pinned:  # the states of a segment are the same whatever deviates
+            self._pinned[number] = [
+                neutrals.directions(problem.system, problem.pins, x, values)[own]
+                for x in passage.full(states)
+            ]
+        scale = problem.mesh.variation[own]
+        each = zip(self._pinned[number], deviations, strict=True)
+        return np.array([neutrals.across(deviation, along, scale) for along, deviation in each])
 
 
 @cache

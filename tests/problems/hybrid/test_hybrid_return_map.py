@@ -15,6 +15,7 @@ from hybrid_runs import solution
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.piece import Piece
 
 # A polynomial of this degree through points along a curve; its length is in units of the orbit's variation,
 # and shorter where maps bend more. eps / h^j and the next power limit what derivatives are known to.
@@ -161,3 +162,20 @@ def test_number_of_multipliers(name):
     expected = least - (0 if problem.system.period else 1)
     assert problem.spectrum_size == expected
     assert len(problem.multipliers(z, problem.linearize(z).jacobian).values) == expected
+
+
+@pytest.mark.parametrize("name", ORBITS)
+def test_curves_with_one_first_derivative_share_their_second_one(name, monkeypatch):
+    """A second curve along the same line integrates each segment once, for its third derivative."""
+    problem, z = ORBITS[name]()
+    map_ = problem.return_map(z)
+    r = map_.basis.shape[1]
+    x1, x2 = np.cos(np.arange(r)), np.sin(np.arange(r))
+    map_.curve(x1, None, 0.0, 2)
+    asked: list[str] = []
+    whole = Piece.end
+    monkeypatch.setattr(
+        Piece, "end", lambda own, lift, *given: asked.append(lift) or whole(own, lift, *given)
+    )
+    map_.curve(x1, x2)
+    assert asked.count("jet") == len(problem.segments)

@@ -29,7 +29,7 @@ UNKNOWN = float("nan"), 0.0
 class VanishingCubic(OrbitLocusPoint):
     """The orbits or tori that are born change their side."""
 
-    test, of_place = Test.VALUE, True
+    test, of_place, dear = Test.VALUE, True, True
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The cubic coefficient; zero where it is no more than errors of the steps, NaN where there is none
