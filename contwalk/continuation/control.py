@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from contwalk.continuation.settings import Settings
+from contwalk.numerics.linear import norm
 from contwalk.problems.problem import Sample
 
 # Largest factors from one step to the next.
@@ -24,7 +25,7 @@ BEFORE, NEAR = 0.99, 0.25
 def turn(a: Sample, tangent: np.ndarray) -> float:
     """Turn of the tangent, shape (N + 1,), in degrees, in the metric of `a`."""
     u, v = a.tangent / a.weights, tangent / a.weights
-    cosine = float(u @ v / np.linalg.norm(u) / np.linalg.norm(v))
+    cosine = float(u @ v / norm(u) / norm(v))
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
@@ -37,8 +38,8 @@ def bend(a: Sample, z: np.ndarray, tangent: np.ndarray) -> float:
     """
     chord = (z - a.z) / a.weights
     u, v = a.tangent / a.weights, tangent / a.weights
-    mean = 0.5 * (u / np.linalg.norm(u) + v / np.linalg.norm(v))
-    return float(np.linalg.norm(chord / np.linalg.norm(chord) - mean))
+    mean = 0.5 * (u / norm(u) + v / norm(v))
+    return float(norm(chord / norm(chord) - mean))
 
 
 def left_branch(a: Sample, z: np.ndarray, tangent: np.ndarray, angle: float) -> bool:
@@ -60,12 +61,12 @@ def is_parabola(a: Sample, z: np.ndarray, tangent: np.ndarray) -> bool:
     z, where it ends, and the tangent there have the shape (N + 1,).
     """
     along, chord, there = a.tangent / a.weights, (z - a.z) / a.weights, tangent / a.weights
-    along = along / np.linalg.norm(along)
+    along = along / norm(along)
     h, ahead = float(along @ chord), float(along @ there)
     if not (h > 0.0 and ahead > 0.0):
         return False
     bent, turned = chord / h - along, there / ahead - along
-    return bool(np.linalg.norm(turned - 2.0 * bent) <= PARABOLIC * np.linalg.norm(turned))
+    return bool(norm(turned - 2.0 * bent) <= PARABOLIC * norm(turned))
 
 
 def next_step(length: float, angle: float, iterations: int, settings: Settings) -> float:

@@ -18,9 +18,10 @@ WITH_DOMAIN = frozenset(("log", "log1p", "log2", "log10", "sqrt", "asin", "acos"
 
 def product(graph: Graph, a: int, b: int) -> int:
     """The node of a * b; a zero stays beside a factor with a domain."""
-    for zero, other in ((a, b), (b, a)):
-        if graph.value(zero) == 0.0 and has_domain(graph, other):
-            return graph.kept("mul", zero, other)
+    if graph.value(a) == 0.0 and has_domain(graph, b):
+        return graph.kept("mul", a, b)
+    if graph.value(b) == 0.0 and has_domain(graph, a):
+        return graph.kept("mul", b, a)
     return graph.mul(a, b)
 
 

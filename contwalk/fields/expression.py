@@ -56,8 +56,9 @@ class Expression(Number):
 
     def apply(self, name: str, arguments: tuple[Any, ...]) -> Any:
         """A function of `functions.FUNCTIONS` applied to numbers of which at least one is symbolic."""
-        if any(is_complex(a) for a in arguments):
-            return applied(name, arguments)
+        for argument in arguments:
+            if not isinstance(argument, Expression) and is_complex(argument):
+                return applied(name, arguments)
         nodes = [self.lift(a) for a in arguments]
         if name == "mul":
             return self.wrap(product(self.graph, *nodes))

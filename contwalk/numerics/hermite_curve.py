@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from contwalk.numerics.linear import norm_in
+from contwalk.numerics.linear import norm, norm_in
 
 
 class HermiteCurve:
@@ -38,7 +38,7 @@ class HermiteCurve:
     def turn(self) -> float:
         """Angle between the tangents at its ends, radians."""
         u, v = (tangent / self.weights / norm_in(tangent, self.weights) for tangent in self.tangents)
-        return 2.0 * math.atan2(float(np.linalg.norm(v - u)), float(np.linalg.norm(v + u)))
+        return 2.0 * math.atan2(norm(v - u), norm(v + u))
 
     @property
     def departure(self) -> float:
@@ -47,7 +47,7 @@ class HermiteCurve:
         """
         mean = sum(tangent / self.weights / norm_in(tangent, self.weights) for tangent in self.tangents)
         chord = self.chord / self.weights / max(self.length, 1e-300)
-        return float(np.linalg.norm(chord - mean / max(float(np.linalg.norm(mean)), 1e-300)))
+        return norm(chord - mean / max(norm(mean), 1e-300))
 
     def position(self, z: np.ndarray) -> float:
         """theta of the foot of z, shape (N + 1,), on the chord."""

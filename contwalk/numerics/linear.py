@@ -124,13 +124,17 @@ class LeastSquares:
         return self.columns * (self._inverse @ (self.rows * right))
 
 
-def norm_in(step: np.ndarray, weights: np.ndarray) -> float:
-    """Norm of a step in the metric of `weights`, both of shape (n,): that of step / weights.
+def norm(vector: np.ndarray) -> float:
+    """Euclidean norm of a real vector, shape (n,), contiguous: the same bits as `numpy.linalg.norm` gives.
 
-    `numpy.linalg.norm` gives the same bits; of short vectors most of its time is looking at what it is given.
+    Of short vectors most of that one's time is looking at what it is given.
     """
-    scaled = step / weights
-    return math.sqrt(scaled.dot(scaled))
+    return math.sqrt(vector.dot(vector))
+
+
+def norm_in(step: np.ndarray, weights: np.ndarray) -> float:
+    """Norm of a step in the metric of `weights`, both of shape (n,): that of step / weights."""
+    return norm(step / weights)
 
 
 def unit_in(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:

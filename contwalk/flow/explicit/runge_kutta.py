@@ -6,7 +6,7 @@ chosen the grid or the caller.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -247,21 +247,26 @@ def _polynomial(
     grid: np.ndarray, nodes: np.ndarray, coefficients: np.ndarray, own: np.ndarray, at: np.ndarray
 ) -> np.ndarray:
     """States at times within a growing grid; `own` tells which of the polynomials is whose step's."""
-    (_, rows, n), out = coefficients.shape, np.empty((len(at), nodes.shape[1]))
+    return _interpolating(grid, nodes, coefficients, own)(at)
+
+
+def _interpolating(
+    grid: np.ndarray, nodes: np.ndarray, coefficients: np.ndarray, own: np.ndarray
+) -> Callable[[np.ndarray], np.ndarray]:
+    """As `_polynomial`, a function of the times, which tells machine code of the path once."""
+    (_, rows, n), kept = coefficients.shape, (grid, nodes, coefficients, own)
+    times, states, given, which = map(address, kept)
     call = PolynomialCall(
-        times=address(grid),
-        nodes=address(nodes),
-        coefficients=address(coefficients),
-        which=address(own),
-        steps=len(grid) - 1,
-        n=n,
-        rows=rows,
-        wanted=address(at),
-        count=len(at),
-        out=address(out),
+        times=times, nodes=states, coefficients=given, which=which, steps=len(grid) - 1, n=n, rows=rows
     )
-    INTERPOLATE(call.address)
-    return out
+
+    def at_times(at: np.ndarray, _kept: Sequence[np.ndarray] = kept) -> np.ndarray:
+        out = np.empty((len(at), n))
+        call.wanted, call.count, call.out = address(at), len(at), address(out)
+        INTERPOLATE(call.address)
+        return out
+
+    return at_times
 
 
 class Interpolation:
@@ -277,20 +282,18 @@ class Interpolation:
         self._method = method
         self._grid = times_of(times)
         self._nodes = checked(states, (len(self._grid), field.n), "nodes")
-        self._coefficients: np.ndarray | None = None
+        self._between: Callable[[np.ndarray], np.ndarray] | None = None
         # Where a path begins anew there is no polynomial.
         moves = self._grid[1:] > self._grid[:-1]
         if method_of(method).dense and moves.any():
             call = Call(field, c, method, None)
             call.give("times", self._grid)
             call.give("nodes", self._nodes)
-            self._own = np.cumsum(moves) - 1
-            self._coefficients = _coefficients(call, np.flatnonzero(moves))
+            coefficients = _coefficients(call, np.flatnonzero(moves))
+            self._between = _interpolating(self._grid, self._nodes, coefficients, np.cumsum(moves) - 1)
             call.over()
 
     def __call__(self, times: Vector) -> np.ndarray:
         """States at times within the path."""
         at = np.ascontiguousarray(times, dtype=float)
-        if self._coefficients is None:
-            return dense(*self._given, at, self._method)
-        return _polynomial(self._grid, self._nodes, self._coefficients, self._own, at)
+        return dense(*self._given, at, self._method) if self._between is None else self._between(at)

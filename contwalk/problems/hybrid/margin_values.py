@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.memory import computed_once
+from contwalk.memory import computed_once, memory_of, remembered
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
@@ -123,9 +123,7 @@ def margins(problem: LimitedOrbit, z: np.ndarray) -> Margins:
     rows: list[tuple[float, float, float]] = []
     known: dict[tuple[int, str], _Watch] = {}
     total = problem.mesh.total
-    for limit, guard in zip(
-        problem.limits, problem.known.once("guarded", lambda: guarded(problem)), strict=True
-    ):
+    for limit, guard in zip(problem.limits, guarded(problem), strict=True):
         i = limit.leg
         view = views[i]
         if limit.test == "duration":
@@ -187,7 +185,15 @@ def _leaving(watch: _Watch) -> tuple[float, float, float]:
 
 
 def guarded(problem: LimitedOrbit) -> tuple[Guarded | None, ...]:
-    """The guard that each of the limits of an itinerary's orbits is one of, if a sampled leg has it."""
+    """The guard that each of the limits of an itinerary's orbits is one of, if a sampled leg has it.
+
+    It is the itinerary that tells, on whichever steps and at whichever values of the parameters.
+    """
+    known: dict[str, tuple[Guarded | None, ...]] = memory_of(problem.itinerary, "guards of its limits")
+    return remembered(known, "", 1, lambda: _all_guarded(problem))
+
+
+def _all_guarded(problem: LimitedOrbit) -> tuple[Guarded | None, ...]:
     known: dict[tuple[int, str], Guarded] = {}
     found: list[Guarded | None] = []
     for limit in problem.limits:

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
+from itertools import pairwise
 from typing import Any, ClassVar, Self, TypeVar, Unpack
 
 import numpy as np
@@ -261,15 +262,16 @@ class DiscretizedOrbit(OrbitData):
 
     # -- the motion --------------------------------------------------------------------------------------
 
-    def passes(self, z: np.ndarray) -> Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Of each segment the states at its steps, its end, and the derivatives of that: of segments in times
-        of the closure all in one pass.
+    def passes(self, z: np.ndarray) -> tuple[list[np.ndarray], Any, Any]:
+        """Of all segments the states at their steps, their ends, and the derivatives of these: of segments in
+        times of the closure all in one pass, shapes (m, n) and (m, n, n + k).
         """
         if not self.in_closure:
             return super().passes(z)
         times, ends = self.mesh.times, self.mesh.ends
         nodes, ended, moved = passed(self.segments[-1], times, ends, self.starts(z), self.scalars(z))
-        return list(zip(np.split(nodes, ends[:-1] + 1), ended, moved, strict=True))
+        bounds = [0, *(ends + 1).tolist()]
+        return [nodes[a:b] for a, b in pairwise(bounds)], ended, moved
 
     @property
     def pieces(self) -> tuple[Piece, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.orbit.discretization import SOLVED, STAGES
-from contwalk.problems.orbit.layout import Segment
+from contwalk.problems.orbit.layout import ClosureLayout, Segment
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.multipliers import GLOBAL
 from contwalk.problems.orbit.orbit_data import OrbitData
@@ -40,22 +40,51 @@ def with_derivatives(orbit: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.nd
 
     z has the shape (N + 1,), F (N,), DF (N, N + 1), states (s, n_i).
     """
-    layout, nodes = orbit.layout, []
-    if orbit.forced and layout.sum is None:
+    if orbit.forced and orbit.layout.sum is None:
         period_of(orbit, z)  # asked first: without a period there is no motion to tell of
     residual, jacobian = np.zeros(orbit.size), np.zeros((orbit.size, orbit.size + 1))
-    for segment, (along, end, moved) in zip(layout.segments, orbit.passes(z), strict=True):
-        nodes.append(along)
+    nodes, ended, moved = orbit.passes(z)
+    match = _match_in_closure if orbit.in_closure else _match_legs
+    match(orbit, z, ended, moved, residual, jacobian)
+    _closed(orbit, z, residual, jacobian)
+    orbit.effort.spend(cost(orbit))
+    return residual, jacobian, nodes
+
+
+def _match_legs(
+    orbit: OrbitData, z: np.ndarray, ended: Any, moved: Any, residual: np.ndarray, jacobian: np.ndarray
+) -> None:
+    """Write the equations of the ends of all segments, with their derivatives."""
+    layout = orbit.layout
+    for segment, end, derivatives in zip(layout.segments, ended, moved, strict=True):
         _match(orbit, segment, z, end, residual)
-        rows, derivative = segment.ends, layout.along(segment, moved)
+        rows, derivative = segment.ends, layout.along(segment, derivatives)
         n = rows.stop - rows.start
         jacobian[rows] += derivative[:n]
         jacobian[rows, segment.following] -= _identity(n)
         if len(end) > n:
             jacobian[layout.guards + segment.leg] = derivative[n]
-    _closed(orbit, z, residual, jacobian)
-    orbit.effort.spend(cost(orbit))
-    return residual, jacobian, nodes
+
+
+def _match_in_closure(
+    orbit: OrbitData, z: np.ndarray, ended: Any, moved: Any, residual: np.ndarray, jacobian: np.ndarray
+) -> None:
+    """As `_match_legs`, of the segments of one leg in times of the closure: they are alike."""
+    layout, (m, n, _) = orbit.layout, moved.shape
+    assert isinstance(layout, ClosureLayout)
+    states, every = slice(0, m * n), np.arange(m)
+    starts, left = z[states].reshape(m, n), residual[states].reshape(m, n)
+    left[:-1], left[-1] = ended[:-1] - starts[1:], ended[-1] - starts[0]
+    left[-1] -= orbit.turns
+    blocks = blocks_of(jacobian, m, n)
+    blocks[every, :, every] += moved[:, :, :n]
+    blocks[every, :, (every + 1) % m] -= _identity(n)
+    jacobian[states][:, layout.scalars] += moved[:, :, n:].reshape(m * n, -1)
+
+
+def blocks_of(jacobian: np.ndarray, m: int, n: int) -> np.ndarray:
+    """Derivatives of the ends of m segments by the starts of all, shape (m, n, m, n), as a view of DF."""
+    return jacobian[: m * n, : m * n].reshape(m, n, m, n)
 
 
 def _match(orbit: OrbitData, segment: Segment, z: np.ndarray, end: np.ndarray, residual: np.ndarray) -> None:
@@ -141,6 +170,10 @@ def pinned(orbit: OrbitData, pin: Neutral, z: np.ndarray, row: np.ndarray) -> fl
 
 def cost(orbit: OrbitData) -> int:
     """Right-hand sides of one pass with derivatives, each column counted as one."""
+    return orbit.known.on(orbit.mesh, "cost", lambda: _cost(orbit))
+
+
+def _cost(orbit: OrbitData) -> int:
     stages = STAGES[orbit.mesh.method]
     return sum(
         (len(piece.steps) - 1) * stages * (1 + len(piece.passage.states) + len(piece.passage.columns))

@@ -18,6 +18,7 @@ class Evaluations:
     def __init__(self) -> None:
         self._at: dict[str, dict[bytes, Any]] = {}
         self._once: dict[str, Any] = {}
+        self._on: dict[str, tuple[object, Any]] = {}
 
     def at(self, what: str, z: np.ndarray, most: int, make: Callable[[], Value]) -> Value:
         """What is known of a solution; made if nothing is, and kept in place of the oldest of `most`.
@@ -29,6 +30,14 @@ class Evaluations:
     def found(self, what: str, z: np.ndarray) -> Any:
         """What is known of a solution, or None; nothing is made. z has the shape (N + 1,)."""
         return self._at.get(what, {}).get(z.tobytes())
+
+    def on(self, steps: object, what: str, make: Callable[[], Value]) -> Value:
+        """What belongs to the steps, with all that is measured of them, made when it is first asked for."""
+        known = self._on.get(what)
+        if known is None or known[0] is not steps:
+            known = self._on[what] = steps, make()
+        value: Value = known[1]
+        return value
 
     def once(self, what: str, make: Callable[[], Value]) -> Value:
         """What belongs to the discretisation itself, made when it is first asked for."""

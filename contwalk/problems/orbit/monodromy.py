@@ -12,6 +12,7 @@ import numpy as np
 from contwalk.numerics.linear import norm_in
 from contwalk.problems import conserving
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.orbit.equations import blocks_of
 from contwalk.problems.orbit.layout import Segment
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.multipliers import Multipliers, multipliers, of_sections
@@ -48,9 +49,19 @@ def chain(orbit: OrbitData, jacobian: np.ndarray) -> list[list[np.ndarray]]:
     The jacobian has the shape (N, N + 1).
     """
     layout = orbit.layout
+    if orbit.in_closure:
+        return [list(_factors_in_closure(orbit, jacobian))]
     return [
         [_factor(orbit, segment, jacobian) for segment in layout.segments_of(i)] for i in range(layout.legs)
     ]
+
+
+def _factors_in_closure(orbit: OrbitData, jacobian: np.ndarray) -> np.ndarray:
+    """The factors of the segments of one leg in times of the closure, shape (m, n, n)."""
+    m, n = len(orbit.layout.segments), orbit.states
+    every = np.arange(m)
+    found = blocks_of(jacobian, m, n)[every, :, every]
+    return found + np.eye(n) if m == 1 else found
 
 
 def _factor(orbit: OrbitData, segment: Segment, jacobian: np.ndarray) -> np.ndarray:
@@ -215,7 +226,7 @@ def becoming_of(orbit: OrbitData, z: np.ndarray) -> np.ndarray | None:
         return None
     units = orbit.extended(0)
     moved = flow_direction(orbit, z, 0) * orbit.duration(z)
-    return None if np.linalg.norm(moved / units) > POINT else orbit.section.normal * units**2
+    return None if norm_in(moved, units) > POINT else orbit.section.normal * units**2
 
 
 def spectrum(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
@@ -274,7 +285,7 @@ def _sections(
 def _of_closure(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
     """Multipliers of one leg that no event ends, by its segments, without the flow's own and pinned ones."""
     (segments,), ends = chain(orbit, jacobian), z.copy()
-    if not all(np.all(np.isfinite(factor)) for factor in segments):
+    if not np.isfinite(segments).all():
         size = orbit.spectrum_size
         return Multipliers(np.full(size, np.nan + 0j), np.full(size, np.inf), 1.0)
     leaving, arriving = _left_out_along(orbit, z, segments), None
@@ -355,13 +366,15 @@ def _missed(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> float:
     Of several segments, the worst one's: what one does to it may be undone by the next.
     """
     (factors,), units = chain(orbit, jacobian), orbit.extended(0)
-    own = [flow_direction(orbit, z, 0, j) for j in range(len(factors))]
-    sizes, worst = [float(np.linalg.norm(v / units)) for v in own], 0.0
+    own: Any = flow_directions(orbit, z) if orbit.in_closure else None
+    if own is None:
+        own = [flow_direction(orbit, z, 0, j) for j in range(len(factors))]
+    sizes, worst = [norm_in(v, units) for v in own], 0.0
     if 0.0 in sizes or not orbit.moves(z):
         return float("nan")
     for j, factor in enumerate(factors):
         there = (j + 1) % len(factors)
-        worst = max(worst, float(np.linalg.norm((factor @ own[j] - own[there]) / units)) / sizes[there])
+        worst = max(worst, norm_in(factor @ own[j] - own[there], units) / sizes[there])
     return worst
 
 

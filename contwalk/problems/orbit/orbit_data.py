@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Self, TypedDict
 
 import numpy as np
 
+from contwalk.numerics.linear import norm_in
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.effort import Effort
@@ -127,10 +128,12 @@ class OrbitData(Orbit):
         image = self.itinerary.image
         return self.itinerary.order if image and self.system.symmetry(image).role == "spatial" else 1
 
-    def passes(self, z: np.ndarray) -> Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Of each segment the states at its steps, its end, and the derivatives of that."""
+    def passes(self, z: np.ndarray) -> tuple[list[np.ndarray], Any, Any]:
+        """Of all segments the states at their steps, their ends, and the derivatives of these."""
         each = zip(self.layout.segments, self.segments, strict=True)
-        return [piece.passed(*self.layout.inputs_of(segment, z)) for segment, piece in each]
+        found = [piece.passed(*self.layout.inputs_of(segment, z)) for segment, piece in each]
+        nodes, ended, moved = (list(parts) for parts in zip(*found, strict=True))
+        return nodes, ended, moved
 
     @property
     def places(self) -> list[tuple[slice, Passage]]:
@@ -209,8 +212,8 @@ class OrbitData(Orbit):
         """
         if self.forced:
             return True
-        way = self.velocity(z) * self.duration(z) / self.mesh.variation[list(self.passages[0].states)]
-        return float(np.linalg.norm(way)) > MOVES
+        way = self.velocity(z) * self.duration(z)
+        return norm_in(way, self.mesh.variation[list(self.passages[0].states)]) > MOVES
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, by name. z has the shape (N + 1,)."""

@@ -51,7 +51,7 @@ class OrbitEquations(DiscretizedOrbit):
             None if self.in_closure else lambda: nearby,
             self.fitted,
         )
-        found.dear = equations.dear(self)
+        found.dear = self.known.once("dear", lambda: equations.dear(self))
         return found
 
     def residual(self, z: np.ndarray) -> np.ndarray:
@@ -93,7 +93,7 @@ class OrbitEquations(DiscretizedOrbit):
         """Units of the equations, shape (N,). Their own rows would not do: one that vanishes at a special
         point is the critical one.
         """
-        return scales.equation_scales(self)
+        return self.known.on(self.mesh, "equation scales", lambda: scales.equation_scales(self)).copy()
 
     # -- once round --------------------------------------------------------------------------------------
 

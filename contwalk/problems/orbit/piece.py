@@ -55,17 +55,20 @@ class Piece:
 
     def before(self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:
         """A lift's states at the end, before the transition."""
+        return self._before(lift, y, self.values(scalars, *directions))
+
+    def _before(self, lift: str, y: np.ndarray, values: np.ndarray) -> np.ndarray:
         field = self._field(lift)
-        c = field.constants(self.values(scalars, *directions))
-        return flow.along(field, c, self.steps, y, self.method)[-1]
+        return flow.along(field, field.constants(values), self.steps, y, self.method)[-1]
 
     def end(self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:
         """State after the transition and guard, of a lift order by order."""
-        before = self.before(lift, y, scalars, *directions)
+        values = self.values(scalars, *directions)
+        before = self._before(lift, y, values)
         if not self.mapped:
             return before
         map_ = self.passage.end(lift)
-        return map_(1.0, before, map_.constants(self.values(scalars, *directions)))
+        return map_(1.0, before, map_.constants(values))
 
     def differentiated(
         self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray

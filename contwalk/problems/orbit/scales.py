@@ -21,10 +21,16 @@ def equation_scales(orbit: OrbitData) -> np.ndarray:
 
 def cycle_scales(orbit: OrbitData) -> tuple[np.ndarray, np.ndarray]:
     """Units of the rows and of the columns of `cycle_matrix`."""
+    columns = orbit.known.on(orbit.mesh, "scales of unknowns", lambda: unknown_scales(orbit))
+    return orbit.equation_scales, columns.copy()
+
+
+def unknown_scales(orbit: OrbitData) -> np.ndarray:
+    """Units of the unknowns, shape (N,)."""
     columns = np.ones(orbit.size)
     for place, passage in orbit.places:
         columns[place] = orbit.mesh.variation[list(passage.states)]
     columns[orbit.layout.durations] = orbit.mesh.total
     if orbit.layout.start is not None:
         columns[orbit.layout.start] = orbit.mesh.total
-    return orbit.equation_scales, columns
+    return columns
