@@ -198,7 +198,7 @@ def _arrived(
 def _with_effort(problem: Problem, sample: Sample, before: tuple[float, int]) -> Sample:
     """A sample with what it has cost since then."""
     seconds, evaluations = (now - then for now, then in zip(_effort(problem), before, strict=True))
-    return replace(sample, seconds=seconds, evaluations=int(evaluations))
+    return sample.varied(seconds=seconds, evaluations=int(evaluations))
 
 
 def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settings) -> Outcome | None:

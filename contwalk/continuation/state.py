@@ -142,4 +142,4 @@ def grown(
     weights = updated(known, crowded(problem, magnitudes), settings, sizes, sample.z)
     factor = norm_in(sample.tangent, weights)
     rates = sample.rates.scaled(1.0 / factor)
-    return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=rates)
+    return sample.varied(weights=weights, tangent=sample.tangent / factor, rates=rates)

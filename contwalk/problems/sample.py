@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -130,6 +131,18 @@ class Sample:
     kinks: tuple[Kink, ...] = ()
     resting: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=complex))
 
+    def varied(self, **told: Any) -> Sample:
+        """The same with some of what is told of it changed.
+
+        `dataclasses.replace` asks for all by name, thirty attributes, and a point of a branch is made of
+        three or four samples.
+        """
+        other = object.__new__(Sample)
+        vars(other).update(vars(self), **told)
+        if len(vars(other)) > len(vars(self)):
+            raise TypeError(f"a sample tells nothing called {', '.join(told.keys() - vars(self).keys())}")
+        return other
+
     @property
     def spectrum(self) -> np.ndarray:
         """All eigenvalues in their order."""
@@ -172,7 +185,7 @@ class Sample:
         other = (np.arange(len(self.measures)) < unstable) != (self.measures > 0.0)
         doubt = np.where(other, np.abs(self.measures), 0.0)
         known = max(self.spectrum_error or 0.0, float(np.max(doubt, initial=0.0)))
-        return replace(self, unstable=unstable, errors=np.maximum(self.errors, doubt), spectrum_error=known)
+        return self.varied(unstable=unstable, errors=np.maximum(self.errors, doubt), spectrum_error=known)
 
     @property
     def admissible(self) -> bool:

@@ -115,7 +115,7 @@ def adapted(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
     # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
     there = problem.linearize(sample.z)
     again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)
-    return problem, replace(again, orientation=0.0 if born else again.orientation)
+    return problem, again.varied(orientation=0.0) if born else again
 
 
 def _recut(orbit: Kind, sample: Sample, cuts: np.ndarray | None) -> tuple[Kind, Sample]:
