@@ -102,7 +102,12 @@ def test_all_of_it_is_half_a_stride(name):
         assert np.all(np.isfinite(regular["spectrum"][:, 0]))
 
 
+# They need the databases of other run files, which they name.
+BEGIN_ELSEWHERE = ("walker3d_ground_region",)
+
+
 def test_run_files_are_in_the_table():
     for path in sorted(RUNS.glob("walker3d_*.yaml")):
         assert f"| `{path.stem}` |" in (RUNS / "README.md").read_text(encoding="utf-8")
-        assert read_run_file(path).output.name == f"{path.stem}.h5"
+        if path.stem not in BEGIN_ELSEWHERE:
+            assert read_run_file(path).output.name == f"{path.stem}.h5"
