@@ -1,4 +1,4 @@
-"""Curves of period doublings of orbits that pass soft transitions: an oscillator that meets a second spring."""
+"""Curves of period doublings through soft transitions: an oscillator that meets a second spring."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from test_loci_through_soft_transitions import FORCE, STATE, system
 
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
+
+pytestmark = pytest.mark.slow
 
 RANGES = {"omega": (0.45, 0.6), "force": (0.4, 0.6)}
 CUT = 0.52
