@@ -19,7 +19,7 @@ from contwalk.problems.hybrid.families import broken_by_events
 from contwalk.problems.hybrid.hopping import hops
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
-from contwalk.problems.hybrid.least import least, nearly_less, unused_symmetries
+from contwalk.problems.hybrid.least import least, unused_symmetries
 from contwalk.problems.hybrid.legs_without_length import collapsed as collapsed_event
 from contwalk.problems.hybrid.past_all_along import past_all_along
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
@@ -38,7 +38,6 @@ from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.python_functions import line_aside
 from contwalk.signatures import folded
 from contwalk.studies.families import is_one_of_a_family
-from contwalk.studies.fine_steps import on_fine_steps
 from contwalk.studies.orbit_start import OrbitStart
 from contwalk.studies.orbits_not_alone import (
     not_alone,
@@ -47,6 +46,7 @@ from contwalk.studies.orbits_not_alone import (
     one_of_many,
     outcome_of_family,
 )
+from contwalk.studies.solved_finely import solved_finely
 from contwalk.system import System
 
 UNSTABLE = (
@@ -190,13 +190,9 @@ def _hybrid(
 
 def _least(problem: HybridOrbit, sample: Sample, settings: Settings) -> tuple[HybridOrbit, np.ndarray]:
     """The least part of an orbit that tells all of it; `problem` itself where it does."""
-    shorter, z = least(problem, sample.z)
-    if shorter is problem and nearly_less(problem, sample.z):
-        there, again = on_fine_steps(problem, sample, settings)
-        found, start = least(there, again.z)
-        if found is not there:
-            return found, start
-    return shorter, z
+    there, again = solved_finely(problem, sample, settings)
+    shorter, z = least(there, again.z)
+    return (problem, sample.z) if shorter is there else (shorter, z)
 
 
 def _with_hops(problem: HybridOrbit, z: np.ndarray, sentence: str) -> str:

@@ -11,15 +11,14 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
-from contwalk.problems.initial.orbit_from_state import nearly_less, orbit_at, repetitions, symmetric
+from contwalk.problems.initial.orbit_from_state import orbit_at, symmetric
 from contwalk.problems.initial.recurrence import AtRest, recurrent
 from contwalk.problems.kink import refuse
+from contwalk.problems.orbit.asymmetry import repetitions
 from contwalk.problems.orbit.conservation import off_its_value
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-from contwalk.problems.sample import Sample
 from contwalk.studies.families import is_one_of_a_family
-from contwalk.studies.fine_steps import on_fine_steps
 from contwalk.studies.orbit_start import OrbitStart
 from contwalk.studies.orbits_not_alone import (
     not_alone,
@@ -27,6 +26,7 @@ from contwalk.studies.orbits_not_alone import (
     one_of_many,
     outcome_of_family,
 )
+from contwalk.studies.solved_finely import solved_finely
 
 # A motion this small against its place may be the last of one that comes to rest.
 FAINT = 1e-6
@@ -45,7 +45,7 @@ def smooth(start: OrbitStart) -> Opening | Outcome:
     problem, z = orbit_at(*begins, state, period, *given)
     begun = begin(problem, z, settings)
     if isinstance(begun, ContinuationState) and problem.moves(begun.sample.z):
-        there, sample = _sharp(problem, begun.sample, settings)
+        there, sample = solved_finely(problem, begun.sample, settings)
         times = repetitions(there, sample.z)
         if times > 1:  # it was begun with a multiple of its period
             first, part = sample.z[: problem.states], problem.duration(sample.z) / times
@@ -71,15 +71,9 @@ def smooth(start: OrbitStart) -> Opening | Outcome:
     return _closed(problem, begun, settings)
 
 
-def _sharp(problem: PeriodicOrbit, sample: Sample, settings: Settings) -> tuple[PeriodicOrbit, Sample]:
-    """The orbit on steps whose errors do not hide that it repeats itself, or is its own image."""
-    near = nearly_less(problem, sample.z)
-    return on_fine_steps(problem, sample, settings) if near else (problem, sample)
-
-
 def _closed(problem: PeriodicOrbit, state: ContinuationState, settings: Settings) -> Opening:
     """The orbit closed up to a symmetry that it has, on steps made for it."""
-    fine, sample = _sharp(problem, state.sample, settings)
+    fine, sample = solved_finely(problem, state.sample, settings)
     part = symmetric(fine, sample.z, sample.weights)
     message = ""
     if part is not None:

@@ -14,7 +14,6 @@ from contwalk.problems.hybrid import (
     end_maps,
     jumping_limits,
     lasting,
-    least,
     limit_points,
     limits,
     limits_told,
@@ -62,7 +61,6 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     """
 
     kind = "hybrid_orbit"
-    asymmetries = least.asymmetries
     point_types = (*POINT_TYPES, *LIMIT_TYPES)
     branching_offset = 0.05
 
@@ -95,13 +93,6 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     def admissible_at(self, z: np.ndarray) -> bool:
         """Whether a solution is one that the machine can move on. z has the shape (N + 1,)."""
         return self.margins(z).admissible
-
-    def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray | None = None) -> bool:
-        """Whether an orbit repeats itself, or is its own image, as its parent does.
-
-        z and tangent have the shape (N + 1,).
-        """
-        return least.repetitions(self, z) > 1 or bool(least.own_image(self, z))
 
     # -- along a branch ----------------------------------------------------------------------------------
 

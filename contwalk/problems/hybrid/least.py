@@ -6,25 +6,20 @@ branch point. And a motion may be its own image without its start having told so
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from contwalk.flow.hybrid.machine import hybrid_machine
-from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import cut_legs
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.orbit.along_pins import shifted
-from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.asymmetry import between_halves, repetitions, swapping
+from contwalk.problems.orbit.closure import order_of
 from contwalk.problems.orbit.fine_steps import discretized
-from contwalk.problems.orbit.itinerary import Itinerary, Leg, has_image, imaged_leg
-from contwalk.problems.orbit.own_image import NEARLY
+from contwalk.problems.orbit.itinerary import Itinerary, Leg
+from contwalk.problems.orbit.own_image import ALIKE
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
-
-# Two orbits whose states differ by less than this part of their variation are one.
-ALIKE = 1e-6
 
 
 def least(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
@@ -40,92 +35,6 @@ def least(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
         problem, z = divided(problem, z, times)
     name = own_image(problem, z)
     return _beginning(problem, z, problem.layout.legs // 2, 1, name) if name else (problem, z)
-
-
-def repetitions(problem: LimitedOrbit, z: np.ndarray) -> int:
-    """How many times an orbit goes through the same states. z has the shape (N + 1,)."""
-    return next((times for times in _divisions(problem) if _repeated(problem, z, times)), 1)
-
-
-def _divisions(problem: LimitedOrbit) -> Iterator[int]:
-    """Into how many equal parts an orbit of its itinerary may be divided, the most first."""
-    most = problem.layout.legs if problem.itinerary.eventful else max(problem.subharmonic, 2)
-    for times in range(most, 1, -1):
-        whole = not problem.forced or problem.subharmonic % times == 0
-        if whole and problem.itinerary.has_parts(problem.system, times):
-            yield times
-
-
-def asymmetries(problem: LimitedOrbit, z: np.ndarray) -> dict[str, float]:
-    """How far an orbit, z of shape (N + 1,), is from repeating itself and from being its own image, by name.
-
-    In units of its variation.
-
-    Raises
-    ------
-    NotFinite
-        If the motion ends before the closure does.
-    """
-    found = {
-        f"{times} parts": max(_between_parts(problem, z, times), default=0.0) for times in _divisions(problem)
-    }
-    halves = ((symmetry.name, _between_halves(problem, z, symmetry)) for symmetry in _swapping(problem, z))
-    return found | {name: max(apart, default=0.0) for name, apart in halves}
-
-
-def nearly_less(problem: LimitedOrbit, z: np.ndarray) -> bool:
-    """Whether an orbit z, shape (N + 1,), misses but little to repeat itself, or to be its own image.
-
-    The errors of its steps may hide that it does.
-    """
-    return any(ALIKE <= apart < NEARLY for apart in asymmetries(problem, z).values())
-
-
-def _repeated(problem: LimitedOrbit, z: np.ndarray, times: int) -> bool:
-    """Whether an orbit of an itinerary that repeats itself meets itself after the first of so many parts."""
-    return all(apart < ALIKE for apart in _between_parts(problem, z, times))
-
-
-def _between_parts(problem: LimitedOrbit, z: np.ndarray, times: int) -> Iterator[float]:
-    """How far an orbit of an itinerary that repeats itself is from itself after the first of some parts."""
-    if not problem.itinerary.eventful:
-        yield _apart(problem, z, _part_way(problem, z, times), 0, problem.turns / times)
-        return
-    part = problem.layout.legs // times
-    symmetry, p = _symmetry(problem, problem.itinerary.image), ParameterValues(**problem.values_of(z))
-    turns = np.zeros(problem.states) if symmetry else problem.turns / times
-    for i in range(problem.layout.legs - part):
-        yield _apart(problem, z, imaged(symmetry, _start(problem, z, i + part), p), i, turns)
-
-
-def _part_way(problem: LimitedOrbit, z: np.ndarray, times: int) -> np.ndarray:
-    """Full state after the first of so many parts of a closure."""
-    views = problem.view(z)
-    ends = np.cumsum([view.duration for view in views])
-    at = float(ends[-1]) / times
-    i = min(int(np.searchsorted(ends, at)), len(views) - 1)
-    view = views[i]
-    return view.full(view.stepped(1.0 - (float(ends[i]) - at) / view.duration))
-
-
-def _start(problem: LimitedOrbit, z: np.ndarray, i: int) -> np.ndarray:
-    """Full state at the start of a leg."""
-    return problem.passages[i].full(z[problem.layout.states[i]])
-
-
-def _apart(problem: LimitedOrbit, z: np.ndarray, x: np.ndarray, i: int, turns: np.ndarray) -> float:
-    """How far a state is from the one at the start of leg i, but for turns, in units of the variation.
-
-    And but for where it is along neutral directions: one who drifts along, so that the whole closes, sees
-    its parts close elsewhere where the image of a direction is its opposite.
-    """
-    own, scale = list(problem.passages[i].states), problem.mesh.variation
-    given = x - turns, _start(problem, z, i), problem.values_of(z), scale, own
-    return float(np.linalg.norm(neutrals.apart_at_least(problem.system, problem.pins, *given) / scale))
-
-
-def _symmetry(problem: LimitedOrbit, name: str) -> Symmetry | None:
-    return problem.system.symmetry(name) if name else None
 
 
 def divided(problem: Kind, z: np.ndarray, times: int) -> tuple[Kind, np.ndarray]:
@@ -167,26 +76,10 @@ def own_image(problem: LimitedOrbit, z: np.ndarray) -> str:
 
     z has the shape (N + 1,).
     """
-    for symmetry in _swapping(problem, z):
+    for symmetry in swapping(problem, z):
         if _halves_alike(problem, z, symmetry) and _its_image(problem, z, symmetry):
             return symmetry.name
     return ""
-
-
-def _swapping(problem: LimitedOrbit, z: np.ndarray) -> Iterator[Symmetry]:
-    """Symmetries that take the first half of a whole orbit's itinerary to the second."""
-    half, rest = divmod(problem.layout.legs, 2)
-    if rest or problem.itinerary.image or not problem.itinerary.eventful or np.any(problem.turns):
-        return
-    first, second = problem.itinerary.legs[:half], problem.itinerary.legs[half:]
-    system, p = problem.system, ParameterValues(**problem.values_of(z))
-    for symmetry in _spatial(system):
-        if order_of(symmetry, _start(problem, z, 0), p) != 2:
-            continue
-        if not all(has_image(system, symmetry, leg) for leg in first):
-            continue
-        if second == tuple(imaged_leg(system, symmetry.name, leg) for leg in first):
-            yield symmetry
 
 
 def _halves_alike(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
@@ -195,15 +88,7 @@ def _halves_alike(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> b
     lasting = z[problem.layout.durations]
     if np.max(np.abs(lasting[half:] - lasting[:half])) > ALIKE * problem.duration(z):
         return False
-    return all(apart < ALIKE for apart in _between_halves(problem, z, symmetry))
-
-
-def _between_halves(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> Iterator[float]:
-    """How far each leg's start in the second half is from the image of that in the first."""
-    half, p = problem.layout.legs // 2, ParameterValues(**problem.values_of(z))
-    turns = np.zeros(problem.states)
-    for i in range(half):
-        yield _apart(problem, z, imaged(symmetry, _start(problem, z, i), p), i + half, turns)
+    return all(apart < ALIKE for apart in between_halves(problem, z, symmetry))
 
 
 def _spatial(system: System) -> list[Symmetry]:
@@ -243,7 +128,7 @@ def unused_symmetries(problem: LimitedOrbit, z: np.ndarray) -> str:
 def _unused(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> str:
     if not problem.itinerary.eventful:
         return "an orbit without events is followed over its whole period"
-    if order_of(symmetry, _start(problem, z, 0), ParameterValues(**problem.values_of(z))) != 2:
+    if order_of(symmetry, problem.first_state(z), ParameterValues(**problem.values_of(z))) != 2:
         return "its map is not its own inverse"
     machine, reasons = hybrid_machine(problem.system, problem.values_of(z)), []
     period = problem.duration(z) / problem.subharmonic if problem.forced else 0.0

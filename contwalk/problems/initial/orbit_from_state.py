@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -15,21 +15,17 @@ from contwalk.problems.conserving import with_own_values
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
 from contwalk.problems.initial.magnitudes import magnitudes_on
-from contwalk.problems.orbit.asymmetry import apart, asymmetries, state_at
+from contwalk.problems.orbit.asymmetry import apart, state_at
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.cutting import first_cuts
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.own_image import NEARLY, OWN_IMAGE, carries
+from contwalk.problems.orbit.own_image import OWN_IMAGE, carries
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.shooting import Mesh, arrived, velocity
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
-
-# An orbit may be begun with so many times its period at most, and be told with its own; what is that near to
-# where it began, between steps, is looked at.
-MOST_REPETITIONS, NEAR = 1000, 1e-2
 
 # A direction is neutral if it is so at a parameter that differs by this part of itself too.
 BESIDE = 1e-3
@@ -127,49 +123,6 @@ def _neutral(system: System, line: ParameterLine, at: float, x: np.ndarray) -> l
         if sizes[-1] > families.DEPENDENT * sizes[0]:
             found.append(neutral)
     return found
-
-
-def repetitions(problem: PeriodicOrbit, z: np.ndarray) -> int:
-    """How often an orbit z, shape (N + 1,), runs through itself in its closure.
-
-    More than once, if it was begun with a multiple of its period.
-    """
-    return next((times for times, apart in _parts_apart(problem, z) if apart < OWN_IMAGE), 1)
-
-
-def nearly_less(problem: PeriodicOrbit, z: np.ndarray) -> bool:
-    """Whether an orbit z, shape (N + 1,), misses but little to repeat itself, or to be its own image.
-
-    The errors of its steps may hide that it does.
-    """
-    found = [apart for _, apart in _parts_apart(problem, z)]
-    found += asymmetries(problem, z).values()
-    return any(OWN_IMAGE <= apart < NEARLY for apart in found)
-
-
-def _parts_apart(problem: PeriodicOrbit, z: np.ndarray) -> Iterator[tuple[int, float]]:
-    """Into how many equal parts an orbit may be divided, and by how much it misses to repeat itself; the most
-    first.
-    """
-    turns = problem.turns
-    own = np.array([s.period or 1.0 for s in problem.system.states])
-    steps = sum(len(times) for times in problem.mesh.steps)
-    most = problem.subharmonic if problem.forced else min(steps, MOST_REPETITIONS)
-    divisions = np.array(
-        [
-            times
-            for times in range(most, 1, -1)
-            if not (problem.forced and problem.subharmonic % times)
-            and np.allclose(np.round(turns / times / own), turns / times / own)
-        ],
-        dtype=int,
-    )
-    if not len(divisions):
-        return
-    for times, there in zip(divisions.tolist(), problem.view(z)[0].at(1.0 / divisions), strict=True):
-        if apart(problem, z, there - turns / times) < NEAR:
-            later = state_at(problem, z, 1.0 / times)
-            yield times, apart(problem, z, later - turns / times)
 
 
 def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> None:

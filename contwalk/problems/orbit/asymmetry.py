@@ -2,62 +2,124 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import compress
+
 import numpy as np
 
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.orbit.itinerary import has_image, imaged_leg
+from contwalk.problems.orbit.own_image import ALIKE, NEARLY
 from contwalk.problems.orbit.transport import carried_to
+from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
 # An orbit whose states move by less, in parts of their magnitudes, is at rest: what differs there is errors.
 AT_REST = 1e-6
 # Parts of the closure within which an instant is that of a step.
 AT_STEP = 1e-14
+# One leg may be gone round so many times at most, and be told as once; what is that near to where it began,
+# between steps, is looked at.
+MOST_REPETITIONS, NEAR = 1000, 1e-2
 
 
 def of_moving(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
     """As `asymmetries`; nothing of an orbit at rest, z of shape (N + 1,), whose images are all itself."""
-    mesh = problem.mesh
-    return {} if (mesh.variation <= AT_REST * mesh.magnitudes).all() else asymmetries(problem, z)
-
-
-def state_at(problem: DiscretizedOrbit, z: np.ndarray, part: float) -> np.ndarray:
-    """State after a part of the closure, shape (n,): that of a step, as of steps that are alike in parts.
-
-    z has the shape (N + 1,).
-    """
-    step = np.flatnonzero(np.abs(problem.mesh.times - part) <= AT_STEP)
-    return (
-        problem.view(z)[0].nodes[step[-1]] if len(step) else carried_to(problem, z, np.zeros(len(z)), part)[0]
-    )
-
-
-def apart(problem: DiscretizedOrbit, z: np.ndarray, y: np.ndarray) -> float:
-    """How far a state y, shape (n,), is from where an orbit begins, z of shape (N + 1,), in units of its
-    range.
-
-    But for where it is along neutral directions: one who drifts along, so that the whole closes, sees its
-    parts close elsewhere where the image of a direction is its opposite.
-    """
-    scale, every = problem.mesh.variation, range(problem.states)
-    given = y, problem.starts(z)[0], problem.values_of(z), scale, every
-    return float(np.linalg.norm(neutrals.apart_at_least(problem.system, problem.pins, *given) / scale))
+    mesh, single = problem.mesh, problem.itinerary.single
+    at_rest = single and (mesh.variation <= AT_REST * mesh.magnitudes).all()
+    return {} if at_rest else asymmetries(problem, z)
 
 
 def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
     """Distances of an orbit, z of shape (N + 1,), from its images, by name: zero where it is its parent's.
 
-    It is compared with itself half a closure later; of an orbit that closes up to a symmetry, of which each
-    part is a whole, its states with their own images; and with its images under powers of symmetries, a part
-    of the closure later.
+    One leg is compared with itself half a closure later; of an orbit that closes up to a symmetry, of which
+    each part is a whole, its states with their own images; and with its images under powers of symmetries, a
+    part of the closure later. Legs are compared with those that a part of the itinerary later are the same
+    ones, or their images.
 
     Raises
     ------
     NotFinite
         If the motion ends before the closure does.
     """
-    x, itinerary, known = problem.starts(z)[0], problem.itinerary, dict[float, np.ndarray]()
+    if problem.itinerary.single:
+        return _of_one_leg(problem, z)
+    found = {f"{times} parts": away for times, away in parts_apart(problem, z)}
+    halves = ((symmetry.name, between_halves(problem, z, symmetry)) for symmetry in swapping(problem, z))
+    return found | {name: max(away, default=0.0) for name, away in halves}
+
+
+def nearly_less(problem: DiscretizedOrbit, z: np.ndarray) -> bool:
+    """Whether an orbit z, shape (N + 1,), misses but little to repeat itself, or to be its own image.
+
+    The errors of its steps may hide that it does.
+    """
+    found = [away for _, away in parts_apart(problem, z)]
+    found += asymmetries(problem, z).values()
+    return any(ALIKE <= away < NEARLY for away in found)
+
+
+def repetitions(problem: DiscretizedOrbit, z: np.ndarray) -> int:
+    """How often an orbit z, shape (N + 1,), runs through itself in its closure."""
+    return next((times for times, away in parts_apart(problem, z) if away < ALIKE), 1)
+
+
+def parts_apart(problem: DiscretizedOrbit, z: np.ndarray) -> Iterator[tuple[int, float]]:
+    """Into how many equal parts an orbit may be divided, and by how much it misses to repeat itself; the most
+    first. Of one leg only those that are near.
+    """
+    divisions = list(_divisions(problem))
+    if not problem.itinerary.single:
+        yield from ((times, max(_between_parts(problem, z, times), default=0.0)) for times in divisions)
+        return
+    if not divisions:
+        return
+    near = [True] * len(divisions)
+    if len(views := problem.view(z)) == 1:  # a look between steps is enough to leave most out
+        there = zip(divisions, views[0].full(views[0].at(1.0 / np.array(divisions))), strict=True)
+        near = [apart(problem, z, x - problem.turns / times) < NEAR for times, x in there]
+    for times in compress(divisions, near):
+        yield times, apart(problem, z, state_at(problem, z, 1.0 / times) - problem.turns / times)
+
+
+# -- one leg -----------------------------------------------------------------------------------------------
+
+
+def state_at(problem: DiscretizedOrbit, z: np.ndarray, part: float) -> np.ndarray:
+    """Full state after a part of the closure: that of a step, as of steps that are alike in parts.
+
+    Shape (n,) of z, shape (N + 1,).
+    """
+    there, own = problem.explicit(z)
+    views, i, share = problem.view(z), 0, part
+    if len(views) > 1:
+        ends = np.cumsum([view.duration for view in views])
+        i = min(int(np.searchsorted(ends, float(ends[-1]) * part)), len(views) - 1)
+        share = 1.0 - (float(ends[i]) - float(ends[-1]) * part) / views[i].duration
+    step = np.flatnonzero(np.abs(views[i].piece.steps - share) <= AT_STEP)
+    if len(step):
+        return views[i].full(views[i].nodes[step[-1]])
+    return views[i].full(carried_to(there, own, np.zeros(len(own)), share, i)[0])
+
+
+def apart(problem: DiscretizedOrbit, z: np.ndarray, y: np.ndarray, i: int = 0) -> float:
+    """How far a full state y, shape (n,), is from the one at the start of leg i, in units of the range.
+
+    But for where it is along neutral directions: one who drifts along, so that the whole closes, sees its
+    parts close elsewhere where the image of a direction is its opposite.
+
+    z has the shape (N + 1,).
+    """
+    own, scale = list(problem.passages[i].states), problem.mesh.variation
+    given = y, _start(problem, z, i), problem.values_of(z), scale, own
+    return float(np.linalg.norm(neutrals.apart_at_least(problem.system, problem.pins, *given) / scale))
+
+
+def _of_one_leg(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
+    x, itinerary, known = _start(problem, z, 0), problem.itinerary, dict[float, np.ndarray]()
 
     def later(part: float) -> np.ndarray:
         if part not in known:
@@ -82,3 +144,71 @@ def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
             image = imaged(symmetry, later(1.0 / order), p, power)
             found[f"{symmetry.name} {power}"] = apart(problem, z, image)
     return found
+
+
+# -- legs --------------------------------------------------------------------------------------------------
+
+
+def swapping(problem: DiscretizedOrbit, z: np.ndarray) -> Iterator[Symmetry]:
+    """Symmetries that take the first half of a whole orbit's itinerary to the second.
+
+    z has the shape (N + 1,).
+    """
+    half, rest = divmod(problem.layout.legs, 2)
+    if rest or problem.itinerary.image or not problem.itinerary.eventful or np.any(problem.turns):
+        return
+    first, second = problem.itinerary.legs[:half], problem.itinerary.legs[half:]
+    system, p = problem.system, ParameterValues(**problem.values_of(z))
+    for symmetry in system.symmetries:
+        if symmetry.role != "spatial" or order_of(symmetry, _start(problem, z, 0), p) != 2:
+            continue
+        if not all(has_image(system, symmetry, leg) for leg in first):
+            continue
+        if second == tuple(imaged_leg(system, symmetry.name, leg) for leg in first):
+            yield symmetry
+
+
+def between_halves(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> Iterator[float]:
+    """How far each leg's start in the second half is from the image of that in the first.
+
+    z has the shape (N + 1,).
+    """
+    half, p = problem.layout.legs // 2, ParameterValues(**problem.values_of(z))
+    for i in range(half):
+        yield apart(problem, z, imaged(symmetry, _start(problem, z, i), p), i + half)
+
+
+def _divisions(problem: DiscretizedOrbit) -> Iterator[int]:
+    """Into how many equal parts an orbit of its itinerary may be divided, the most first."""
+    forced, turns = problem.forced, problem.turns
+    own = np.array([s.period or 1.0 for s in problem.system.states])
+    if problem.itinerary.eventful:
+        most = problem.layout.legs
+    elif forced:
+        most = problem.subharmonic
+    else:
+        most = min(sum(len(times) for times in problem.mesh.steps), MOST_REPETITIONS)
+        most = most if problem.itinerary.single else 2
+    for times in range(most, 1, -1):
+        whole = not forced or problem.subharmonic % times == 0
+        whole = whole and np.allclose(np.round(turns / times / own), turns / times / own)
+        if whole and problem.itinerary.has_parts(problem.system, times):
+            yield times
+
+
+def _between_parts(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> Iterator[float]:
+    """How far an orbit of an itinerary that repeats itself is from itself after the first of some parts."""
+    if not problem.itinerary.eventful:
+        yield apart(problem, z, state_at(problem, z, 1.0 / times) - problem.turns / times)
+        return
+    part, image = problem.layout.legs // times, problem.itinerary.image
+    symmetry = problem.system.symmetry(image) if image else None
+    p = ParameterValues(**problem.values_of(z))
+    turns = np.zeros(problem.states) if symmetry else problem.turns / times
+    for i in range(problem.layout.legs - part):
+        yield apart(problem, z, imaged(symmetry, _start(problem, z, i + part), p) - turns, i)
+
+
+def _start(problem: DiscretizedOrbit, z: np.ndarray, i: int) -> np.ndarray:
+    """Full state at the start of a leg."""
+    return problem.passages[i].full(z[problem.layout.states[i]])

@@ -89,7 +89,7 @@ class OrbitData(Orbit):
         """The segments of the legs on their steps."""
         return self.known.once("segments", lambda: _segments(self))
 
-    def explicit(self, z: np.ndarray) -> tuple[OrbitData, np.ndarray]:
+    def explicit(self, z: np.ndarray) -> tuple[Any, np.ndarray]:
         """The orbit with a leg for every smooth piece, and its unknowns: itself, if none is condensed.
 
         z, and what is returned, has the shape (N + 1,).

@@ -15,6 +15,7 @@ from contwalk.numerics.linear import unit_in
 from contwalk.problems.capabilities import OwnMeasures, OwnMesh
 from contwalk.problems.kink import Kink, refuse
 from contwalk.problems.orbit import (
+    asymmetry,
     augmented,
     branching,
     describing,
@@ -29,6 +30,7 @@ from contwalk.problems.orbit import (
     remesh,
     reporting,
     switching,
+    termination,
 )
 from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
 from contwalk.problems.orbit.discretization import FINEST
@@ -52,6 +54,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
     beginnings = metric.beginnings
     reported = reporting.reported
     doubled_from, unfolded_from = switching.doubled, switching.unfolded
+    asymmetries, returned_to_parent = asymmetry.of_moving, termination.returned_to_parent
     location_tolerance = 1e-3  # solutions are solved for to a part of the tolerance only
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:

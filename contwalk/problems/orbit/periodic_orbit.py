@@ -7,7 +7,6 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from contwalk.problems.orbit import asymmetry, termination
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
@@ -40,7 +39,6 @@ class PeriodicOrbit(OrbitProblem):
 
     kind = "periodic_orbit"
     in_closure = True
-    asymmetries = asymmetry.of_moving
     point_types = POINT_TYPES
     limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
@@ -67,13 +65,6 @@ class PeriodicOrbit(OrbitProblem):
             "forbidden": self.system.has_events
             and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
         }
-
-    def returned_to_parent(self, z: np.ndarray, tangent: np.ndarray) -> bool:
-        """Whether the orbit of a branch with this tangent has become its parent again.
-
-        z and tangent have the shape (N + 1,).
-        """
-        return termination.returned_to_parent(self, z, tangent)
 
     # -- special points ----------------------------------------------------------------------------------
 

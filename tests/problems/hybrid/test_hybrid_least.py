@@ -58,7 +58,7 @@ def test_a_whole_orbit_that_is_its_own_image_is_halved() -> None:
     whole = problem.of_itinerary(problem.itinerary.unfolded(problem.system))
     there = discretized(whole, images(problem, z, 2))
     assert own_image(there, images(problem, z, 2)) == "inversion"
-    assert there.returned_to_parent(images(problem, z, 2))
+    assert there.returned_to_parent(images(problem, z, 2), np.eye(there.size + 1)[1])
     part, start = least(there, images(problem, z, 2))
     assert (part.itinerary, part.subharmonic, part.forcings) == (problem.itinerary, 3, 1.5)
     np.testing.assert_array_equal(start, z)

@@ -15,8 +15,10 @@ from hybrid_runs import ACCURACY, assert_met, diagram, machine
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.least import divided, repetitions
+from contwalk.problems.hybrid.least import divided
+from contwalk.problems.orbit.asymmetry import repetitions
 from contwalk.problems.orbit.fine_steps import discretized
+from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.restoring import problem_of
 from contwalk.system import System, Transition
 
@@ -201,6 +203,13 @@ class TestNormalForms:
         np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
 
 
+def first_of(problem: HybridOrbit, times: int) -> np.ndarray:
+    """A direction in which the first of so many parts of an orbit differs from the others."""
+    along, states = np.zeros(problem.size + 1), problem.layout.durations.start // times
+    along[:states] = cycle_scales(problem)[1][:states]
+    return along
+
+
 class TestParts:
     """Words run through several times."""
 
@@ -236,7 +245,9 @@ class TestParts:
     def test_an_orbit_that_repeats_itself_is_divided(self, name, times):
         problem, longer, z, zs = self.repeated(name, times)
         assert repetitions(longer, zs) == times
-        assert longer.returned_to_parent(zs)
+        assert longer.returned_to_parent(zs, first_of(longer, times))
+        # Where those beside it repeat themselves too, the branch is that of the parent.
+        assert not longer.returned_to_parent(zs, np.zeros(len(zs)))
         assert np.all(
             np.abs(longer.linearize(zs).residual) <= 100.0 * problem.mesh.tolerance * longer.equation_scales
         )
@@ -255,7 +266,7 @@ class TestParts:
         _, longer, _, zs = self.repeated(name, 2)
         zs[: longer.layout.durations.start // 2] += 1e-4 * longer.mesh.variation.min()
         assert repetitions(longer, zs) == 1
-        assert not longer.returned_to_parent(zs)
+        assert not longer.returned_to_parent(zs, first_of(longer, 2))
 
     def test_a_word_without_parts_does_not_repeat(self):
         problem, z = orbit("different numbers of states")

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.problems.orbit.asymmetry import nearly_less
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.problem import equations_at
@@ -17,8 +18,13 @@ Orbit = TypeVar("Orbit", bound=OrbitProblem)
 FINER = 1e-4
 
 
-def on_fine_steps(problem: Orbit, sample: Sample, settings: Settings) -> tuple[Orbit, Sample]:
-    """An orbit and its problem on fine steps; as they are where there is no solution on these."""
+def solved_finely(problem: Orbit, sample: Sample, settings: Settings) -> tuple[Orbit, Sample]:
+    """An orbit and its problem on steps whose errors do not hide that it repeats itself, or is its own image.
+
+    As they are where nothing is hidden, and where there is no solution on such steps.
+    """
+    if not nearly_less(problem, sample.z):
+        return problem, sample
     tolerance = max(FINER * problem.discretization.walking, FINEST)
     finer = problem.refined(sample.z, sample.weights, tolerance)
     again = begin(finer, sample.z, settings)
