@@ -16,10 +16,10 @@ from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
 from contwalk.problems.hybrid.families import broken_by_events
-from contwalk.problems.hybrid.hopping import hops
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
-from contwalk.problems.hybrid.least import least, unused_symmetries
+from contwalk.problems.hybrid.jumps_on_the_way import hops
+from contwalk.problems.hybrid.least_part import least, unused_symmetries
 from contwalk.problems.hybrid.legs_without_length import collapsed as collapsed_event
 from contwalk.problems.hybrid.past_all_along import past_all_along
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened

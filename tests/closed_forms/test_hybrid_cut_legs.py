@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from hybrid_runs import assert_met, branch_of, diagram, machine, solution
 
-from contwalk.problems.hybrid import cut_legs, limit_rows
+from contwalk.problems.hybrid import cut_legs, limit_equations
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.rotated import rotated
 from contwalk.problems.orbit import condensed, monodromy, variations
@@ -228,10 +228,10 @@ class TestInSegments:
                 w, h = np.random.default_rng(2).standard_normal(len(y)), 1e-6
 
                 def value(at, own=own, share=share):
-                    return limit_rows.rows_of(problem, own, at, share)[0]
+                    return limit_equations.rows_of(problem, own, at, share)[0]
 
                 quotient = (value(y + h * w) - value(y - h * w)) / (2.0 * h)
-                assert limit_rows.rows_of(problem, own, y, share)[1] @ w == pytest.approx(
+                assert limit_equations.rows_of(problem, own, y, share)[1] @ w == pytest.approx(
                     quotient, rel=1e-6, abs=1e-6
                 )
 

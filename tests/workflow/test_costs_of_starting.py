@@ -16,7 +16,7 @@ def test_numpy_is_loaded_without_what_no_orbit_needs():
     code = (
         "import sys, numpy as np\n"
         "from contwalk.problems.orbit import periodic_orbit\n"
-        "from contwalk.problems.orbit.repeating import repeating\n"
+        "from contwalk.problems.orbit.repeated_steps import repeating\n"
         "repeating([np.linspace(0.0, 1.0, 5)], 2)\n"
         "print({'numpy.ma', 'numpy.polynomial'} & set(sys.modules))"
     )

@@ -13,16 +13,16 @@ from contwalk.memory import of_unowned
 from contwalk.problems.hybrid import (
     end_maps,
     jumping_limits,
-    lasting,
-    limit_points,
+    leg_durations,
     limits,
-    limits_told,
+    limits_in_words,
+    locating_limits,
     margin_values,
     undefined,
 )
 from contwalk.problems.hybrid.adjacent import corner
 from contwalk.problems.hybrid.diagnosis import HybridDiagnosis
-from contwalk.problems.hybrid.limited import HybridLimits
+from contwalk.problems.hybrid.hybrid_limits import HybridLimits
 from contwalk.problems.hybrid.limited_orbit import MOST_VIEWS, LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
@@ -88,7 +88,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     @property
     def fitted(self) -> Fitted:
         """What solves for durations of legs that are hard to guess."""
-        return of_unowned(lasting.fitted, self)
+        return of_unowned(leg_durations.fitted, self)
 
     def admissible_at(self, z: np.ndarray) -> bool:
         """Whether a solution is one that the machine can move on. z has the shape (N + 1,)."""
@@ -122,7 +122,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
         """The special point of a kind near a sample, by its augmented system."""
         if kind.test is Test.MARGIN:
-            return limit_points.located(self, which, sample)
+            return locating_limits.located(self, which, sample)
         return super().locate(kind, sample, which)
 
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
@@ -135,7 +135,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
             changes = limit.test in ("duration", "past")
             if changes and corner.has_corner(there, located.z, limit, sample.tangent):
                 name = "corner"
-            record = replace(record, kind=name, note=limits_told.place_of(there, limit, located))
+            record = replace(record, kind=name, note=limits_in_words.place_of(there, limit, located))
         if kind.test is Test.MARK and abs(split(sample.eigenvalues)) < MEET:
             met = "two multipliers meet: each is known to the root of rounding only, their mean far better"
             record = replace(record, note=met if record.note is None else f"{record.note}; {met}")

@@ -14,10 +14,10 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.numerics.linear import kernel_direction
-from contwalk.problems.hybrid import limit_points, softness
+from contwalk.problems.hybrid import locating_limits, softness
 from contwalk.problems.hybrid.grouping import Grouping
+from contwalk.problems.hybrid.hybrid_limits import HybridLimits
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.limited import HybridLimits
 from contwalk.problems.hybrid.soft_equations import SoftEquations
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.fine_steps import discretized
@@ -200,7 +200,7 @@ class SoftLimits(HybridLimits):
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
         there, _, _ = self._soft._stored(point)
-        return limit_points.nearest(there, point)
+        return locating_limits.nearest(there, point)
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """Why an orbit beyond a limit is not the machine's, and what lies next to it."""

@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.hybrid import limit_points
+from contwalk.problems.hybrid import locating_limits
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.orbit.solving import error_holding
 from contwalk.problems.orbit.vanishing import shrunk
@@ -186,4 +186,4 @@ def typical_guard(orbit: LimitedOrbit, z: np.ndarray, magnitudes: np.ndarray, i:
     """
     transition = orbit.itinerary.legs[i].transition
     assert transition is not None
-    return limit_points.typical(orbit.pieces_of(z, i)[-1], transition, magnitudes)
+    return locating_limits.typical(orbit.pieces_of(z, i)[-1], transition, magnitudes)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import NotFinite
-from contwalk.problems.hybrid import limit_points
+from contwalk.problems.hybrid import locating_limits
 from contwalk.problems.hybrid.eliminated import Eliminated
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.margins import Limit
@@ -170,19 +170,19 @@ class OfLimit(Condensed):
     def made(self, found: Found, near: At, own: np.ndarray) -> Augmented:
         """The limit of the explicit orbit; `own` is the instant in its piece, shape (k,)."""
         chosen = self.place(found, own + sum(near.z[k] for k in self.before(found, self.further)))
-        system = limit_points.system_of(found.explicit, chosen, near, own if len(own) else None)
+        system = locating_limits.system_of(found.explicit, chosen, near, own if len(own) else None)
         if system is None or len(system.start) != len(near.z) + len(self.further):
             raise NotFinite(f"what passes zero at '{self.limit.name}' is another instant, or none")
         return system
 
 
 def limit_system(orbit: Any, which: int, near: Near, further: np.ndarray | None = None) -> Augmented | None:
-    """`limit_points.system_of`, of orbits whose soft transitions are condensed too; None where it is not met.
+    """`locating_limits.system_of`, of orbits with condensed soft transitions; None where it is not met.
 
     `further` are known values of the unknowns that the limit has beside those of the orbit, shape (k,).
     """
     if not isinstance(orbit, SoftEquations):
-        return limit_points.system_of(orbit, which, near, further)
+        return locating_limits.system_of(orbit, which, near, further)
     limit = orbit.limits[which]
     if limit.test != "dip":
         return OfLimit(orbit, limit, near, np.zeros(0)).augmented

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.hybrid import limit_points, limits_told
+from contwalk.problems.hybrid import limits_in_words, locating_limits
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_curves import Limits
@@ -84,12 +84,12 @@ class LimitsOnCurve:
             unknowns=tuple(own.tolist()),
             tangent=(*tangent[: self._plane.size].tolist(), float(tangent[-1])),
         )
-        return limit_points.nearest(there, orbit)
+        return locating_limits.nearest(there, orbit)
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """Why the orbits of a curve beyond a limit are not the machine's."""
         limit = self.limits[int(located.vectors["limit"])]
-        where = limits_told.place_of(self._orbit, limit.own, located)
+        where = limits_in_words.place_of(self._orbit, limit.own, located)
         return f"At {self._free} = {float(located.z[-1]):.12g} {where}."
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:

@@ -9,8 +9,8 @@ import numpy as np
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.orbit.distance_to_orbit import distance
 from contwalk.problems.orbit.extrema import with_extrema
-from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.orbit.view import SAMPLES
 from contwalk.problems.problem import Sample

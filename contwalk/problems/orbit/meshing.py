@@ -14,7 +14,7 @@ from contwalk import flow
 from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.repeating import repeating
+from contwalk.problems.orbit.repeated_steps import repeating
 from contwalk.problems.orbit.shooting import AT_REST, CONSTANT, MOST_STEPS, Mesh, Run, growth_of, stepped
 
 # An orbit that would go a smaller part of its magnitudes in one period is a point.

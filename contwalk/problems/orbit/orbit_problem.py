@@ -18,7 +18,6 @@ from contwalk.problems.orbit import (
     asymmetry,
     augmented,
     branching,
-    describing,
     equations,
     equivalence,
     facts,
@@ -26,6 +25,7 @@ from contwalk.problems.orbit import (
     monodromy,
     motion,
     observing,
+    point_records,
     rates,
     remesh,
     reporting,
@@ -232,7 +232,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
 
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point of a kind, with its normal form."""
-        return describing.described(self, kind, located, sample, s)
+        return point_records.described(self, kind, located, sample, s)
 
     def finely(self, z: np.ndarray) -> Any:
         """The problem on fine steps for a stored solution, which may have other segments.

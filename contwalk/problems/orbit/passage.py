@@ -19,7 +19,7 @@ from contwalk.problems.orbit.compiled_leg import CompiledLeg
 from contwalk.problems.orbit.itinerary import Leg
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.traced_leg import NOTHING_MORE, ONE_PERIOD, Closing, Scalar, ScalarInputs
-from contwalk.problems.orbit.watching import Watched
+from contwalk.problems.orbit.watched_numbers import Watched
 from contwalk.system import Condition, System, Transition
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hybrid_machines import orbit
 
-from contwalk.problems.hybrid.following import follows
+from contwalk.problems.hybrid.simulated_round import follows
 from contwalk.problems.hybrid.softness import _pieces
 
 

@@ -12,7 +12,7 @@ from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
-from contwalk.problems.hybrid import limited
+from contwalk.problems.hybrid import hybrid_limits
 from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Mode, Neutral, Parameter, State, System, Transition
 
@@ -74,7 +74,7 @@ def test_neighbours_of_a_limit_are_those_of_its_own_orbits(monkeypatch) -> None:
     problem, z = opening.problem, opening.state.sample.z
     asked: list[object] = []
     monkeypatch.setattr(
-        limited.itineraries, "found", lambda problem, point: asked.append(problem) or ([], "")
+        hybrid_limits.itineraries, "found", lambda problem, point: asked.append(problem) or ([], "")
     )
 
     def ask(orbit) -> int:

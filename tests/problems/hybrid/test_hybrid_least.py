@@ -14,7 +14,7 @@ from one_impact import OneImpact, forced, parameters, stiffness
 from scipy.linalg import expm
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.least import least, own_image
+from contwalk.problems.hybrid.least_part import least, own_image
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.system import State, Symmetry, Transition

@@ -21,8 +21,8 @@ from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
-from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.rotated import rotated
+from contwalk.problems.hybrid.simulated_round import follows
 from contwalk.problems.orbit.discretization import SOLVED
 from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.studies.opening_eventful import opened_itinerary

@@ -15,7 +15,7 @@ from hybrid_runs import ACCURACY, assert_met, diagram, machine
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.least import divided
+from contwalk.problems.hybrid.least_part import divided
 from contwalk.problems.orbit.asymmetry import repetitions
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.scales import cycle_scales

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hybrid_machines import orbit
 
-from contwalk.problems.hybrid.limit_rows import second_rate
+from contwalk.problems.hybrid.limit_equations import second_rate
 from contwalk.problems.hybrid.margins import Limit
 
 

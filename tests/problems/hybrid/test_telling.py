@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contwalk.problems.hybrid.telling import first_sentence, told_once
+from contwalk.problems.hybrid.reasons_in_words import first_sentence, told_once
 
 
 def test_reasons_that_differ_in_numbers_only_are_told_once():

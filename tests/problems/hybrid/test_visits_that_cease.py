@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from hybrid_runs import machine, solution
 
-from contwalk.problems.hybrid import limit_points
+from contwalk.problems.hybrid import locating_limits
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.discretization import SOLVED
 from contwalk.system import Transition
@@ -48,5 +48,5 @@ def test_a_guard_is_zero_to_what_the_equations_are_solved_to(left, ceases):
     z[speeds] += left * SOLVED * problem.mesh.tolerance
     near = SimpleNamespace(z=z, weights=weights)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(limit_points, "_solution", lambda problem, sample: sample.z)  # which stops there
-        assert limit_points._vanishes(problem, slip, near) == ceases
+        patch.setattr(locating_limits, "_solution", lambda problem, sample: sample.z)  # which stops there
+        assert locating_limits._vanishes(problem, slip, near) == ceases

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from contwalk.problems.orbit.meeting import distance
+from contwalk.problems.orbit.distance_to_orbit import distance
 
 NO_ANGLES = np.zeros(2)
 

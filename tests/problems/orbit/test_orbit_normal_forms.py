@@ -11,8 +11,8 @@ from small_systems import small_system
 
 import contwalk as cw
 from contwalk.problems.initial.orbit_from_state import orbit_at
-from contwalk.problems.orbit.describing import criticality_of
 from contwalk.problems.orbit.normal_forms import units
+from contwalk.problems.orbit.point_records import criticality_of
 from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import State

@@ -7,7 +7,7 @@ import pytest
 from small_systems import circle, small_system
 
 from contwalk.problems.initial.orbit_from_state import orbit_at
-from contwalk.problems.orbit.repeating import repeating
+from contwalk.problems.orbit.repeated_steps import repeating
 from contwalk.problems.parameter_line import ParameterLine
 
 

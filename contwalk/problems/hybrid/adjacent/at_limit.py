@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.hybrid import limit_points, limits
+from contwalk.problems.hybrid import limits, locating_limits
 from contwalk.problems.hybrid.adjacent.collapse import collapsed, collapses
 from contwalk.problems.hybrid.adjacent.exchange import both_at_once, gone, with_first
 from contwalk.problems.hybrid.adjacent.insertion import inserted
@@ -67,7 +67,7 @@ def limit_of(problem: LimitedOrbit, point: SpecialPoint) -> tuple[Limit, float]:
     """Which limit a stored point is, and where on its leg, 0..1."""
     z = np.array(point.unknowns)
     there = discretized(problem, z)
-    values, k = there.margins(z), limit_points.nearest(there, point)
+    values, k = there.margins(z), locating_limits.nearest(there, point)
     k = arrival(values, k, problem.layout.legs)
     limit, place = values.limits[k], float(values.places[k])
     if not limit.acts:

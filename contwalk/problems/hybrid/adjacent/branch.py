@@ -10,10 +10,10 @@ from contwalk.errors import ContwalkError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.hybrid import margin_values
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrbit, Undetermined
-from contwalk.problems.hybrid.following import follows
-from contwalk.problems.hybrid.least import least
+from contwalk.problems.hybrid.least_part import least
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
-from contwalk.problems.hybrid.telling import first_sentence, told_once
+from contwalk.problems.hybrid.reasons_in_words import first_sentence, told_once
+from contwalk.problems.hybrid.simulated_round import follows
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.solving import newton_on

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.problems.hybrid import limit_points
+from contwalk.problems.hybrid import locating_limits
 from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, assembled, own_limit, starts_and_durations
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
@@ -15,7 +15,7 @@ from contwalk.problems.hybrid.margins import Limit
 
 def collapses(problem: LimitedOrbit, limit: Limit) -> bool:
     """Whether a leg whose duration vanishes is passed in no time beyond."""
-    return limit.test == "duration" and limit_points.collapses(problem, limit.leg)
+    return limit.test == "duration" and locating_limits.collapses(problem, limit.leg)
 
 
 def collapsed(problem: LimitedOrbit, z: np.ndarray, changing: Sequence[Limit]) -> AdjacentOrbit:

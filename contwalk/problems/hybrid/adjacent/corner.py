@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.errors import NotFinite
 from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.spectrum import complement
-from contwalk.problems.hybrid import limit_rows
+from contwalk.problems.hybrid import limit_equations
 from contwalk.problems.hybrid.adjacent.at_limit import arrival, begun_elsewhere, built_at
 from contwalk.problems.hybrid.adjacent.orbit import NoAdjacentOrbit
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
@@ -46,9 +46,9 @@ def has_corner(problem: LimitedOrbit, z: np.ndarray, limit: Limit, tangent: np.n
     there = neighbour.problem
     weights = filled_magnitudes(there, neighbour.z)
     leaving = kernel_direction(there.linearize(neighbour.z).jacobian, weights)
-    leaving = leaving * np.sign(limit_rows.growth(there, neighbour.z, neighbour.grows, leaving))
+    leaving = leaving * np.sign(limit_equations.growth(there, neighbour.z, neighbour.grows, leaving))
     rough = discretized(problem, z)
-    arriving = tangent * -np.sign(limit_rows.growth(rough, z, limit, tangent))
+    arriving = tangent * -np.sign(limit_equations.growth(rough, z, limit, tangent))
 
     if there.layout.sizes != problem.layout.sizes:
         return bool(np.sign(arriving[-1]) != np.sign(leaving[-1]))

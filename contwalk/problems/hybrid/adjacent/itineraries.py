@@ -18,7 +18,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, StartError
-from contwalk.problems.hybrid import beyond
+from contwalk.problems.hybrid import simulated_beside
 from contwalk.problems.hybrid.adjacent.at_limit import begun_elsewhere, limit_of, place_of
 from contwalk.problems.hybrid.adjacent.branch import seed_of
 from contwalk.problems.hybrid.adjacent.orbit import (
@@ -48,7 +48,7 @@ def found(problem: LimitedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], s
     except Undetermined as reason:
         return (), str(reason)
     except NoAdjacentOrbit as reason:
-        simulated, told = beyond.seeds(problem, point, visited)
+        simulated, told = simulated_beside.seeds(problem, point, visited)
         return simulated, _beside(reason, told, found=bool(simulated))
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
@@ -63,7 +63,9 @@ def _beside(reason: NoAdjacentOrbit, told: str, *, found: bool) -> str:
     return f"{lead}: {reason} {told}"
 
 
-def _visited(problem: LimitedOrbit, point: SpecialPoint, limit: Limit, place: float) -> beyond.Begin | None:
+def _visited(
+    problem: LimitedOrbit, point: SpecialPoint, limit: Limit, place: float
+) -> simulated_beside.Begin | None:
     """Right after an event that is touched and leads into another mode than the one that goes on."""
     old, transition = problem.itinerary.legs[limit.leg], transition_of(problem, limit)
     if limit.test != "dip" or transition.target == old.mode:
@@ -74,7 +76,7 @@ def _visited(problem: LimitedOrbit, point: SpecialPoint, limit: Limit, place: fl
     t = float(there.starting_times(z)[limit.leg]) + place * lasting
     leg = Leg(old.mode, transition, transition.direction != "rising")
     x = after_transition(there, leg, state_on_leg(there, z, limit.leg, place), t, z)
-    return beyond.Begin(t, x, transition.target, transition.name)
+    return simulated_beside.Begin(t, x, transition.target, transition.name)
 
 
 def _signatures(problem: LimitedOrbit) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.numerics.linear import kernel_direction
-from contwalk.problems.hybrid import limit_points
+from contwalk.problems.hybrid import locating_limits
 from contwalk.problems.hybrid.adjacent.orbit import (
     AdjacentOrbit,
     assembled,
@@ -87,7 +87,7 @@ def _flat(problem: LimitedOrbit, z: np.ndarray, visit: int) -> bool:
     transition = problem.itinerary.legs[visit].transition
     assert transition is not None
     period = float(problem.duration(z))
-    rates = [limit_points.starting(problem, visit, transition, z, order)[0] for order in (1, 2)]
+    rates = [locating_limits.starting(problem, visit, transition, z, order)[0] for order in (1, 2)]
     sizes = [abs(rate) * period**order for order, rate in enumerate(rates, start=1)]
     return bool(max(sizes) <= AT_ZERO * problem.guard_scales[visit])
 
@@ -103,9 +103,9 @@ def _tangent(problem: LimitedOrbit, z: np.ndarray, visit: int) -> np.ndarray | N
         return None
     transition = problem.itinerary.legs[visit].transition
     assert transition is not None
-    value_and_slopes = limit_points.starting(problem, visit, transition, z, 1)
+    value_and_slopes = locating_limits.starting(problem, visit, transition, z, 1)
     row = problem.layout.spread(visit, value_and_slopes[1][None])
-    bend, _ = limit_points.starting(problem, visit, transition, z, 2)
+    bend, _ = locating_limits.starting(problem, visit, transition, z, 2)
     row[0, problem.layout.durations.start + visit] = 0.5 * bend
     return kernel_direction(np.vstack([jacobian, row]), weights)
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import UnsupportedOperation
-from contwalk.problems.hybrid import limit_rows
+from contwalk.problems.hybrid import limit_equations
 from contwalk.problems.hybrid.limits import transition_of
 from contwalk.problems.hybrid.soft_equations import SoftEquations
 from contwalk.problems.locus.orbit_places import Held
@@ -54,7 +54,7 @@ class DegenerateGrazing(OrbitLocusPoint):
         further = np.arange(n, n + problem.curve.further)
 
         def second(orbit: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            return limit_rows.second_rate(orbit, limit, y, share)
+            return limit_equations.second_rate(orbit, limit, y, share)
 
         held = Held(Augmented(second, sample.z, sample.weights, lambda there, y: {}), further)
         places = [*range(n), len(sample.z) - 2, len(sample.z) - 1]

@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.labels import OF_LOCI
-from contwalk.problems.hybrid import limits_told
+from contwalk.problems.hybrid import limits_in_words
 from contwalk.problems.hybrid.soft_equations import SoftEquations
 from contwalk.problems.locus.condensed import limit_system
 from contwalk.problems.locus.orbit_places import Held
@@ -76,7 +76,7 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
         soft = isinstance(there, SoftEquations)
         if limit.kind == "resonant" and problem.curve.of in TANGENT and not soft:
             told = tangency.coefficients(problem, there, own, float(located.z[-2]), problem.curve.of)
-        return limit.kind, told, limits_told.place_of(problem.orbit, limit.own, located)
+        return limit.kind, told, limits_in_words.place_of(problem.orbit, limit.own, located)
 
 
 _ORDER, _CONDITION = LimitOnCurve("OC", "order_change", "OC"), LimitOnCurve("AZ", "inadmissible", "AZ")

@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import kernel_direction
-from contwalk.problems.hybrid import limit_points
+from contwalk.problems.hybrid import locating_limits
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_curves import CURVES, Limits
@@ -44,7 +44,7 @@ def limit_born(problem: Any, point: SpecialPoint, label: str) -> list[Seed]:
         if not others:
             return None
         which = min(others, key=lambda k: abs(float(margins.relative[k])))
-        found = limit_points.system_of(there, which, near)
+        found = locating_limits.system_of(there, which, near)
         if found is None:
             return None
         further = found.start[len(near.z) :]

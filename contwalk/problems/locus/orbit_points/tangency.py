@@ -13,7 +13,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite
 from contwalk.numerics.linear import kernel_direction
-from contwalk.problems.hybrid import limit_points
+from contwalk.problems.hybrid import locating_limits
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_curves import CURVES, Limits
@@ -65,7 +65,7 @@ def _curves(
     if not rates:
         return []
     which = min(rates, key=lambda k: abs(float(np.nan_to_num(margins.relative[k], nan=np.inf))))
-    system = limit_points.system_of(there, which, near)
+    system = locating_limits.system_of(there, which, near)
     if system is None:
         return []
     plane_of = OrbitPlane(there, problem.plane.free)

@@ -12,9 +12,9 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit import branching, normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known, negligible
 from contwalk.problems.orbit.null_vectors import critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.point_records import PAIR, Form, criticality_of, known, negligible
 from contwalk.problems.orbit.points.point import OrbitPoint
 from contwalk.problems.problem import Located, Sample, Seed, Test
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from contwalk.problems.orbit import normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented, Near, where_zero
-from contwalk.problems.orbit.describing import Form
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.point_records import Form
 from contwalk.problems.orbit.points.point import OrbitPoint
 from contwalk.problems.problem import Located, Sample, Test
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.numerics import krein
-from contwalk.problems.orbit.describing import Form
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.point_records import Form
 from contwalk.problems.orbit.points.point import OrbitPoint
 from contwalk.problems.problem import Located, Sample, Test
 

@@ -10,9 +10,9 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit import normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.orbit.describing import Form, criticality_of, known, negligible
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.point_records import Form, criticality_of, known, negligible
 from contwalk.problems.orbit.points.point import OrbitPoint
 from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.problem import Located, Sample, Test

@@ -12,9 +12,9 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit import normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented, Near
-from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known, negligible
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.point_records import PAIR, Form, criticality_of, known, negligible
 from contwalk.problems.orbit.points.point import OrbitPoint
 from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.problem import Located, Sample, Seed, Test

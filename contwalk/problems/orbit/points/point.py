@@ -12,8 +12,8 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.orbit.describing import PAIR, Form
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.point_records import PAIR, Form
 from contwalk.problems.problem import Located, PointType, Sample, Seed
 
 

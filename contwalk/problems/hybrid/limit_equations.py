@@ -13,7 +13,7 @@ from contwalk.problems.hybrid.margin_values import at_entry
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
-from contwalk.problems.orbit.watching import Watched
+from contwalk.problems.orbit.watched_numbers import Watched
 
 # An instant that lies beyond this part of a segment is looked at from its start.
 AFTER = 0.1

@@ -11,7 +11,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError, UnsupportedOperation
 from contwalk.flow.events.guard_derivatives import MOST_ORDER
-from contwalk.problems.hybrid import limit_rows
+from contwalk.problems.hybrid import limit_equations
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import BELOW, LITTLE, at_entry, largest
 from contwalk.problems.hybrid.margins import Limit
@@ -133,7 +133,7 @@ def system_of(
     def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         z = y[: size + 1]
         own = there.linearize(z)
-        values, rows = limit_rows.rows_of(there, limit, y, share)
+        values, rows = limit_equations.rows_of(there, limit, y, share)
         jacobian = np.zeros((size + len(values), len(y)))
         jacobian[:size, : size + 1] = own.jacobian
         jacobian[size:] = rows

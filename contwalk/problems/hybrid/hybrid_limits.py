@@ -8,7 +8,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.memory import memory_of, remembered
-from contwalk.problems.hybrid import limit_points, limits_told
+from contwalk.problems.hybrid import limits_in_words, locating_limits
 from contwalk.problems.hybrid.adjacent import itineraries
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit
@@ -39,11 +39,11 @@ class HybridLimits:
         """Which of the limits a special point is one of."""
         orbit, z = self._orbit, np.array(point.unknowns)
         known = orbit._mesh is not None and len(z) == orbit.size + 1
-        return limit_points.nearest(orbit if known else discretized(orbit, z), point)
+        return locating_limits.nearest(orbit if known else discretized(orbit, z), point)
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
-        return limits_told.sentence(self._orbit, located)
+        return limits_in_words.sentence(self._orbit, located)
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         """The branches of other words beyond a limit, and in words what was found, or tried.

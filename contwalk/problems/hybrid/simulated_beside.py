@@ -20,10 +20,10 @@ from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.guard_status import ENTERING, guard_statuses
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.numerics.linear import kernel_direction
-from contwalk.problems.hybrid.least import least
+from contwalk.problems.hybrid.least_part import least
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import ZERO
-from contwalk.problems.hybrid.telling import first_sentence, told_once
+from contwalk.problems.hybrid.reasons_in_words import first_sentence, told_once
 from contwalk.problems.initial.event_recurrence import recurrence_from
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
