@@ -70,6 +70,8 @@ def repetitions(problem: DiscretizedOrbit, z: np.ndarray) -> int:
 def parts_apart(problem: DiscretizedOrbit, z: np.ndarray) -> Iterator[tuple[int, float]]:
     """Into how many equal parts an orbit may be divided, and by how much it misses to repeat itself; the most
     first. Of one leg only those that are near.
+
+    z has the shape (N + 1,).
     """
     divisions = list(_divisions(problem))
     if not problem.itinerary.single:
