@@ -14,14 +14,16 @@ from pathlib import Path
 
 MARK = b"\ncontwalk seal 1, sha256: "
 LENGTH = len(MARK) + 64 + 1
+# So much of a mark at the end of a file is not there by chance.
+SHORTEST = 8
 _PART = 1 << 20
 
 
 def intact(content: bytes) -> bool | None:
-    """Whether the seal of a file fits; None where it has none."""
+    """Whether the seal of a file fits; None where it has none. One that is cut off in its midst does not."""
     place = len(content) - LENGTH
     if place < 0 or not content.startswith(MARK, place):
-        return None
+        return False if _is_cut(content[-LENGTH:]) else None
     return content[place:] == _seal(hashlib.sha256(memoryview(content)[:place]))
 
 
@@ -29,12 +31,12 @@ def intact_file(path: Path) -> bool | None:
     """As `intact`, of a file that is too large to be read at once."""
     with path.open("rb") as file:
         place = file.seek(0, os.SEEK_END) - LENGTH
-        if place < 0:
-            return None
-        file.seek(place)
+        file.seek(max(place, 0))
         seal = file.read()
+        if place < 0 or not seal.startswith(MARK):
+            return False if _is_cut(seal) else None
         file.seek(0)
-        return seal == _seal(_hash_of(file, place)) if seal.startswith(MARK) else None
+        return seal == _seal(_hash_of(file, place))
 
 
 def append_seal(path: Path) -> None:
@@ -48,6 +50,11 @@ def append_seal(path: Path) -> None:
             file.flush()
         except OSError:
             os.truncate(path, size)
+
+
+def _is_cut(end: bytes) -> bool:
+    """Whether the last bytes of a file, at most as many as a seal has, end in a seal that lacks its own end."""
+    return MARK in end or any(end.endswith(MARK[:left]) for left in range(SHORTEST, len(MARK)))
 
 
 def _seal(hashed: hashlib._Hash) -> bytes:

@@ -48,11 +48,11 @@ def _content(path: Path) -> bytes:
     content = path.read_bytes()
     for _ in range(TRIES):
         intact = seal.intact(content)
-        check_seal(path, intact)
         if intact:
             break
         again = path.read_bytes()
-        if again == content:
+        if again == content:  # a seal that does not fit may have been in the midst of being written
+            check_seal(path, intact)
             break
         content = again
         time.sleep(WAIT)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from contwalk.storage.seal import LENGTH, append_seal, intact_file
+from contwalk.storage.seal import LENGTH, MARK, SHORTEST, append_seal, intact, intact_file
 
 
 @pytest.mark.parametrize("size", [0, 1, 1000, (1 << 20) + 1])
@@ -25,3 +25,19 @@ def test_what_is_shorter_than_a_seal_has_none(tmp_path):
     path = tmp_path / "file"
     path.write_bytes(bytes(LENGTH - 1))
     assert intact_file(path) is None
+
+
+@pytest.mark.parametrize("size", [0, 40, 1000])
+def test_a_file_that_lacks_its_last_bytes_is_noticed(tmp_path, size):
+    path = tmp_path / "file"
+    path.write_bytes(b"x" * size)
+    append_seal(path)
+    whole = path.read_bytes()
+    for missing in range(1, LENGTH - SHORTEST + 1):
+        path.write_bytes(whole[:-missing])
+        assert intact(whole[:-missing]) is False, missing
+        assert intact_file(path) is False, missing
+    path.write_bytes(whole + MARK)
+    assert intact_file(path) is intact(whole + MARK) is False
+    for left in range(SHORTEST):
+        assert intact(whole[: size + left]) is None
