@@ -29,6 +29,8 @@ class ContwalkError(Exception):
     """
 
     exit_code = 2
+    # The reason code of a branch that it ends.
+    reason = "no_convergence"
 
     def __init__(self, sentence: str, remedy: str = "") -> None:
         super().__init__(sentence)
@@ -41,6 +43,8 @@ class ContwalkError(Exception):
 
 class SystemDefinitionError(ContwalkError):
     """A plugin that cannot be used: what it declares is incomplete or contradicts itself."""
+
+    reason = "plugin_error"
 
 
 class RunFileError(ContwalkError):
@@ -64,11 +68,14 @@ class StartError(ContwalkError):
 class UnsupportedOperation(ContwalkError):
     """A plugin's function does something that contwalk cannot differentiate."""
 
+    reason = "plugin_error"
+
 
 class PluginError(ContwalkError):
     """A plugin's function raised an exception; the sentence names its line."""
 
     exit_code = 1
+    reason = "plugin_error"
 
 
 class NotSmooth(PluginError):
@@ -79,6 +86,7 @@ class NotFinite(ContwalkError):
     """A plugin's function gave NaN or infinity; the sentence names the line where it first arose."""
 
     exit_code = 1
+    reason = "not_finite"
 
 
 def plugin_line(error: BaseException) -> str:

@@ -108,9 +108,10 @@ def messages_of(walk: BranchWalk, start: Start, side: float | None) -> Iterator[
 
 def taken_over(messages: Iterator[Message], work: BranchInProgress) -> Iterator[Event]:
     """The events of a branch that was walked elsewhere; `work` is told of them."""
-    name = work.info.name
+    name, begun = work.info.name, bool(work.rows)
     for message in messages:
         if isinstance(message, Beginning):
+            begun = True
             yield Began(work.info)
         elif isinstance(message, Note):
             key = _named(message.key, name)
@@ -125,6 +126,8 @@ def taken_over(messages: Iterator[Message], work: BranchInProgress) -> Iterator[
                 work.special_points.append(special)
             yield Found(work.info, message.row, special)
         else:
+            if not begun:  # whoever walked it has come to nothing
+                yield Began(work.info)
             work.broken = message.broken
             work.outcomes += [
                 (sign, replace(outcome, message=_named(outcome.message, name)))

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.errors import ContwalkError, StartError
+from contwalk.errors import ContwalkError
 from contwalk.problems.problem import LimitType, PointType
 
 # What cannot be computed is said by these: it ends one point, one direction or one branch, never a run.
@@ -100,10 +100,10 @@ def goes_on(kinds: Sequence[PointType], end: SpecialPoint, events: Mapping[str, 
 def stuck(reason: str, sentence: str, step: float, name: str, value: float, known: str = "") -> Outcome:
     """No step of any length succeeded; `known` is what the problem knows to be in the way, and what helps."""
     where = f"at {name} = {value:.10g}"
-    if reason == "not_finite":
+    if reason in ("not_finite", "no_convergence"):
         return Outcome(
             "failed",
-            "not_finite",
+            reason,
             " ".join(f"{sentence} {known} The last good point is {where}; end the range before it.".split()),
         )
     if reason == "plugin_error":
@@ -116,18 +116,24 @@ def stuck(reason: str, sentence: str, step: float, name: str, value: float, know
     )
 
 
-def broken(sentence: str, remedy: str) -> Outcome:
-    """A branch that could not be begun, or gone on with, at all."""
-    return Outcome("failed", "not_finite", f"{sentence} {remedy}".strip())
-
-
 def broken_by(error: ContwalkError | np.linalg.LinAlgError, what: str) -> Outcome:
     """The outcome of a branch that an error ended, and of what cannot be done for it."""
-    if isinstance(error, StartError):
-        return Outcome("failed", "no_convergence", f"{what}: {error}")
-    if isinstance(error, ContwalkError):
-        return broken(f"{what}: {error.sentence}", error.remedy)
-    return broken(f"{what}: its equations are singular ({error}).", "Start elsewhere.")
+    return Outcome("failed", reason_of(error), f"{what}: {error_text(error)}")
+
+
+def reason_of(error: ContwalkError | np.linalg.LinAlgError) -> str:
+    """The reason code of what ends with an error: that of its class; singular equations have no solution."""
+    return error.reason if isinstance(error, ContwalkError) else "no_convergence"
+
+
+def error_text(error: ContwalkError | np.linalg.LinAlgError) -> str:
+    """What an error says, and what to do."""
+    return str(error) if isinstance(error, ContwalkError) else f"{singular(error)} Start elsewhere."
+
+
+def singular(error: np.linalg.LinAlgError) -> str:
+    """What linear algebra stumbles over, in a sentence."""
+    return f"The equations there are singular: {error}."
 
 
 def refused(sentence: str, remedy: str) -> Outcome:

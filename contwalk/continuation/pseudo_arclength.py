@@ -18,7 +18,7 @@ from contwalk.continuation.records import end_record, found_record
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, adapted, grown
 from contwalk.continuation.step import Step, take_step
-from contwalk.errors import ContwalkError, NotFinite, PluginError
+from contwalk.errors import ContwalkError, NotFinite
 from contwalk.problems.problem import LimitType, Problem, Sample
 
 
@@ -97,10 +97,9 @@ def walk(
                 break
     except outcomes.BREAKDOWNS as error:
         # Whatever cannot be computed is how this direction ends, and nothing else.
-        reason = "plugin_error" if isinstance(error, PluginError) else "not_finite"
-        singular = f"The equations there are singular: {error}."
-        sentence = error.sentence if isinstance(error, ContwalkError) else singular
-        known = problem.diagnosis.obstacle(state.sample.z) if reason == "not_finite" else ""
+        reason = outcomes.reason_of(error)
+        sentence = error.sentence if isinstance(error, ContwalkError) else outcomes.singular(error)
+        known = "" if reason == "plugin_error" else problem.diagnosis.obstacle(state.sample.z)
         outcome = outcomes.stuck(
             reason, sentence, state.step, observer.line.free, state.sample.parameter, known
         )

@@ -117,10 +117,8 @@ def take_step(
                 explanation = str(error)
             except np.linalg.LinAlgError:
                 explanation = "The equations are singular there in more than one direction."
-            except PluginError as error:
-                reason, explanation = "plugin_error", error.sentence
-            except NotFinite as error:
-                reason, explanation = "not_finite", error.sentence
+            except (PluginError, NotFinite) as error:
+                reason, explanation = error.reason, error.sentence
         ends = False
         if reason in ("not_finite", "plugin_error") and jump is None:
             edge = reason, explanation

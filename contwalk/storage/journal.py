@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -39,7 +40,13 @@ class Journal:
     Raises
     ------
     DatabaseError
-        If it is of another study, or damaged in its midst, or cannot be written; if another process has it.
+        If it is of another study, or does not tell of which; if it cannot be written; if another process
+        has it.
+
+    Warns
+    -----
+    UserWarning
+        If it is damaged in its midst: what it holds from there on is computed again.
     """
 
     def __init__(self, path: Path, identity: Mapping[str, Any], resume: bool) -> None:
@@ -56,7 +63,7 @@ class Journal:
 
     def _open(self, identity: Mapping[str, Any], there: bytes) -> None:
         """Take up what is there, and begin where it ends."""
-        lines = list(_whole_lines(self.path, there))
+        lines = list(_sound_lines(self.path, there))
         if lines and lines[0][0] != dict(identity):
             differing = _differing(lines[0][0], identity)
             raise DatabaseError(
@@ -153,18 +160,31 @@ def _line(entry: Mapping[str, Any]) -> bytes:
     return f"{zlib.crc32(text):08x} ".encode() + text + b"\n"
 
 
-def _whole_lines(path: Path, content: bytes) -> Iterator[tuple[dict[str, Any], int]]:
-    """The entries and where each ends; a last line that is not whole was being written."""
+def _sound_lines(path: Path, content: bytes) -> Iterator[tuple[dict[str, Any], int]]:
+    """The entries and where each ends, up to the first that is damaged; a last line that is not whole was
+    being written.
+    """
     place = 0
     for line in content.splitlines(keepends=True):
         begin, place = place, place + len(line)
         if not line.endswith(b"\n") and place == len(content):
             return
         if line[:9] != f"{zlib.crc32(line[9:-1]):08x} ".encode():
-            raise DatabaseError(
-                f"{path} is damaged at byte {begin}.", "Begin anew with --force, or restore it from a copy."
-            )
+            if begin == 0:  # of which study the others are is not known
+                raise DatabaseError(
+                    f"{path} is damaged at byte 0.", "Begin anew with --force, or restore it from a copy."
+                )
+            warnings.warn(_lost_from(path, begin, content), stacklevel=2)
+            return
         yield json.loads(line[9:-1]), place
+
+
+def _lost_from(path: Path, begin: int, content: bytes) -> str:
+    before, behind = content[:begin].count(b"\n") - 1, content[begin:].count(b"\n")
+    return (
+        f"{path} is damaged at byte {begin}: the {before} results before that are kept, what followed "
+        f"({behind} lines) is computed again."
+    )
 
 
 def _differing(stored: Mapping[str, Any], identity: Mapping[str, Any]) -> str:

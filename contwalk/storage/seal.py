@@ -53,7 +53,7 @@ def append_seal(path: Path) -> None:
 
 
 def _is_cut(end: bytes) -> bool:
-    """Whether the last bytes of a file, at most as many as a seal has, end in a seal that lacks its own end."""
+    """Whether a file's last bytes, at most as many as a seal has, end in a seal that lacks its own end."""
     return MARK in end or any(end.endswith(MARK[:left]) for left in range(SHORTEST, len(MARK)))
 
 

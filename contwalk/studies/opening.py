@@ -75,12 +75,10 @@ def opened(
         if direction is None:
             return Opening(problem, _off_special(problem, begun, settings))
         return _degenerate(problem, begun, direction, settings)
-    except PluginError as error:
-        return outcomes.no_start("plugin_error", error.sentence)
-    except NotFinite as error:
-        return outcomes.no_start("not_finite", error.sentence)
+    except (PluginError, NotFinite) as error:
+        return outcomes.no_start(error.reason, error.sentence)
     except np.linalg.LinAlgError as error:
-        return outcomes.no_start("not_finite", f"linear algebra fails there ({error}).")
+        return outcomes.no_start(outcomes.reason_of(error), outcomes.singular(error))
 
 
 def _stays_neutral(problem: Equilibrium, state: ContinuationState) -> bool:

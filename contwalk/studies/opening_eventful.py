@@ -127,10 +127,8 @@ def opened_itinerary(
     z = np.append(stored.unknowns[:-1], parameters[free] if at is None else at)
     try:
         return _hybrid(discretized(problem, z), z, settings)
-    except PluginError as error:
-        return outcomes.no_start("plugin_error", error.sentence)
-    except NotFinite as error:
-        return outcomes.no_start("not_finite", error.sentence)
+    except (PluginError, NotFinite) as error:
+        return outcomes.no_start(error.reason, error.sentence)
 
 
 def _hybrid(

@@ -66,10 +66,8 @@ def opened_orbit(
     except AtRest as rest:
         ends = line.ends
         found = _resting(opened(system, parameters, free, rest.state, settings, ends, at, discretization))
-    except PluginError as error:
-        found = outcomes.no_start("plugin_error", error.sentence)
-    except NotFinite as error:
-        found = outcomes.no_start("not_finite", error.sentence)
+    except (PluginError, NotFinite) as error:
+        found = outcomes.no_start(error.reason, error.sentence)
     except StartError as error:
         found = outcomes.refused(error.sentence, error.remedy)
     if not isinstance(found, Outcome) or found.reason != "no_convergence":

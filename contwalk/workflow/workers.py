@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pickle
 import queue
+import signal
 import subprocess
 import sys
 import threading
@@ -15,13 +16,16 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
-from contwalk.continuation.ahead import Message, Task
+from contwalk.branch import Outcome
+from contwalk.continuation.ahead import Ends, Message, Task
 from contwalk.workflow.interruptions import deaf
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk
 from contwalk.workflow.walking_ahead import StudyText, Walker, failed_elsewhere
 
-# A branch that has ended so many processes is walked by this one.
+# A branch that has ended so many processes, and ends one more, is walked by this one where that was killed;
+# where they ended by themselves this one would end too.
 MOST_LOST = 2
+KILLED = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 # What is said of a process that has ended.
 LOST = (
     "A process that computed a branch has ended, by itself or by a signal; another one computes it again, "
@@ -34,11 +38,18 @@ class _Again:
     """The process that walked a branch has ended; another one walks it from its beginning."""
 
 
+@dataclass(frozen=True)
+class _Fatal:
+    """Whatever walks the branch ends; `how`, in words."""
+
+    how: str
+
+
 @dataclass
 class _Feed:
     """What has been told of a branch and was not taken over yet."""
 
-    answers: queue.SimpleQueue[Answer | _Again] = field(default_factory=queue.SimpleQueue)
+    answers: queue.SimpleQueue[Answer | _Again | _Fatal] = field(default_factory=queue.SimpleQueue)
     lost: int = 0
 
 
@@ -64,6 +75,16 @@ class _Process:
     def number(self) -> int:
         """What the operating system calls it."""
         return self._process.pid
+
+    @property
+    def own_end(self) -> str:
+        """How it has ended by itself, in words; empty where it was killed."""
+        code = self._process.poll()
+        if code is None or -code in KILLED:
+            return ""
+        if code >= 0:
+            return f"ended itself with exit code {code}"
+        return f"was ended by signal {-code}"
 
     def send(self, request: Walk | Drop) -> None:
         """Ask it; one that has ended is noticed where it is listened to."""
@@ -91,6 +112,16 @@ class _Process:
         """End it, whatever it does."""
         self._process.kill()
         self._listener.join()
+
+
+def _ends_processes(how: str) -> Outcome:
+    """The outcome of a branch that nobody can compute to its end."""
+    return Outcome(
+        "failed",
+        "plugin_error",
+        f"The branch cannot be computed: {MOST_LOST + 1} processes have ended while they did, and the last "
+        f"one {how}. Does the plugin, or a library that it calls, end the process? Mend the plugin.",
+    )
 
 
 class Workers:
@@ -148,6 +179,9 @@ class Workers:
                 place = 0
             elif isinstance(answer, Finished):
                 break
+            elif isinstance(answer, _Fatal):
+                yield Ends(((task.side or 1.0, _ends_processes(answer.how)),), True)
+                break
             else:
                 self._tell(failed_elsewhere(answer.trace))
                 yield from islice(Walker(self._study).messages(task), taken, None)
@@ -191,7 +225,9 @@ class Workers:
             if task is not None and task in self._feeds:
                 feed = self._feeds[task]
                 feed.lost += 1
-                if feed.lost > MOST_LOST:
+                if feed.lost > MOST_LOST and process.own_end:
+                    feed.answers.put(_Fatal(process.own_end))
+                elif feed.lost > MOST_LOST:
                     feed.answers.put(Failed(f"{feed.lost} processes have ended while they computed it"))
                 else:
                     feed.answers.put(_Again())

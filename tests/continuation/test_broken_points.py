@@ -8,7 +8,7 @@ import contwalk as cw
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.settings import Settings
-from contwalk.errors import NotFinite
+from contwalk.errors import NotFinite, PluginError, StartError, UnsupportedOperation
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.equilibrium.points.hopf import Hopf
 from contwalk.studies.opening import opened
@@ -31,7 +31,14 @@ def walked(follow=frozenset({"BP"})):
     return made.branches
 
 
-ERRORS = [NotFinite("A motion is not finite.", "Start elsewhere."), np.linalg.LinAlgError("Singular matrix")]
+REASONS = [
+    (NotFinite("A motion is not finite.", "Start elsewhere."), "not_finite"),
+    (np.linalg.LinAlgError("Singular matrix"), "no_convergence"),
+    (StartError("There is none.", "Start elsewhere."), "no_convergence"),
+    (PluginError("The field raised an exception.", "Mend the plugin."), "plugin_error"),
+    (UnsupportedOperation("The field has no derivative.", "Mend the plugin."), "plugin_error"),
+]
+ERRORS = [error for error, _ in REASONS[:2]]
 
 
 def fails(monkeypatch, name, error):
@@ -66,20 +73,20 @@ def test_a_point_without_a_normal_form_is_located(monkeypatch, error):
     assert first.outcome.reason == "bound"
 
 
-@pytest.mark.parametrize("error", ERRORS)
-def test_a_branch_that_cannot_be_begun_is_one_that_failed(monkeypatch, error):
+@pytest.mark.parametrize(("error", "reason"), REASONS)
+def test_a_branch_that_cannot_be_begun_is_one_that_failed(monkeypatch, error, reason):
     fails(monkeypatch, "seeds", error)
     first, *rest = walked(frozenset({"BP", "HB"}))
     assert first.outcome.reason == "bound"
     failed = [b for b in rest if b.outcome.status == "failed"]
-    assert [b.outcome.reason for b in failed] == ["not_finite"]
+    assert [b.outcome.reason for b in failed] == [reason]
     assert len(failed[0]) == 0
     assert failed[0].info.problem == "periodic_orbit"
     assert [b.outcome.reason for b in rest if b not in failed] == ["bound"]  # of the pitchfork
 
 
-@pytest.mark.parametrize("error", ERRORS)
-def test_a_walk_that_breaks_off_keeps_what_it_has(monkeypatch, error):
+@pytest.mark.parametrize(("error", "reason"), REASONS)
+def test_a_walk_that_breaks_off_keeps_what_it_has(monkeypatch, error, reason):
     class Breaking:
         """Equations that are made for a place, and cannot be beyond 0.25."""
 
@@ -97,8 +104,8 @@ def test_a_walk_that_breaks_off_keeps_what_it_has(monkeypatch, error):
     monkeypatch.setattr(Equilibrium, "anchored", property(Breaking))
     problem = small_problem(two_points, "xyz", {"mu": -0.5}, "mu")
     branch = cw.continue_branch(problem, [0.0, 0.0, 0.0], (-1.0, 1.0))
-    assert (branch.outcome.status, branch.outcome.reason) == ("failed", "not_finite")
-    assert sorted(p.kind for p in labelled(branch, "EP")) == ["bound", "not_finite"]
+    assert (branch.outcome.status, branch.outcome.reason) == ("failed", reason)
+    assert sorted(p.kind for p in labelled(branch, "EP")) == ["bound", reason]
     assert branch["mu"].min() == -1.0
     assert len(labelled(branch, "BP")) == 1
 

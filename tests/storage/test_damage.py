@@ -78,7 +78,7 @@ def test_flipped_bits_and_missing_ends(database):
 
 
 def test_all_of_the_seal_may_be_missing_and_no_part_of_it(database, tmp_path):
-    """What a run leaves that is killed after its last branch has no seal; a copy that was cut short is refused."""
+    """A run that is killed after its last branch leaves no seal; a copy that was cut short is refused."""
     content, right = database.read_bytes(), answer(database)
     copy = tmp_path / "run.h5"
     copy.write_bytes(content[:-LENGTH])

@@ -43,7 +43,25 @@ def test_what_was_being_written_when_killed_is_dropped_and_what_came_before_is_k
         assert path.read_bytes() == whole
 
 
-def test_a_journal_that_is_damaged_before_its_end_is_refused(tmp_path):
+@pytest.mark.parametrize("damaged", range(3))
+def test_results_before_a_damaged_one_are_kept_and_the_others_are_computed_again(tmp_path, damaged):
+    path = tmp_path / "j"
+    whole = written(path, *({"n": n} for n in range(3)))
+    begins = [0, *(place + 1 for place, byte in enumerate(whole) if byte == ord("\n"))]
+    broken = bytearray(whole)
+    broken[begins[1 + damaged] + 12] ^= 1
+    path.write_bytes(broken)
+    told = rf"damaged at byte {begins[1 + damaged]}: the {damaged} results .* \({3 - damaged} lines\)"
+    with pytest.warns(UserWarning, match=told):
+        journal = Journal(path, STUDY, resume=True)
+    with journal:
+        assert journal.kept == [{"n": n} for n in range(damaged)]
+        for n in range(damaged, 3):
+            journal.add({"n": n})
+    assert path.read_bytes() == whole
+
+
+def test_a_journal_that_does_not_tell_its_study_is_refused(tmp_path):
     path = tmp_path / "j"
     whole = bytearray(written(path, {"n": 0}, {"n": 1}))
     whole[20] ^= 1

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from contwalk.cli import entry
 from contwalk.continuation import branch_walk
 from contwalk.continuation.ahead import NAMELESS, Ends, Note, Point, Task
 from contwalk.errors import PluginError
@@ -179,7 +180,7 @@ def test_a_killed_process_loses_nothing(study):
 class Ending:
     """A process that ends as soon as it is asked for a branch."""
 
-    number = 0
+    number, own_end = 0, ""
 
     def __init__(self, pool) -> None:
         self.task, self._pool = None, pool
@@ -200,6 +201,35 @@ def test_it_is_said_that_a_process_has_ended_and_where_its_branch_is_walked(stud
     assert told[-1].startswith(
         "A branch is computed in the run's own process, because others have failed at it"
     )
+
+
+ENDING = """
+import os
+import sys
+
+
+def seen(t, x, p):
+    if "worker" in sys.argv[0] and p.a > 0.4:
+        os._exit(0)
+    return p.a
+"""
+
+
+def test_a_plugin_that_ends_its_processes_is_told_and_the_run_fails(study, capsys):
+    plugin = study.parent / "pair.py"
+    text = plugin.read_text(encoding="utf-8").replace("import Mode", "import Mode, Observable")
+    text = text.replace(
+        "    starts=", '    observables=(Observable("seen", seen, "1", "what is seen"),),\n    starts='
+    )
+    plugin.write_text(ENDING + text, encoding="utf-8")
+    output = study.parent / "ended.h5"
+    command = ["continue", str(study), "--jobs", "2", "--no-figures", "--output", str(output)]
+    assert entry.run(command) == 1
+    assert "the last one ended itself with exit code 0" in " ".join(capsys.readouterr().err.split())
+    with open_database(output) as db:
+        failed = [branch for branch in db.branches() if branch.outcome.status == "failed"]
+        assert failed
+        assert {branch.outcome.reason for branch in failed} == {"plugin_error"}
 
 
 def test_a_run_goes_on_though_a_process_is_killed(study, monkeypatch):
