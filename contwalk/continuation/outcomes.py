@@ -141,6 +141,13 @@ def refused(sentence: str, remedy: str) -> Outcome:
     return Outcome("failed", "no_convergence", f"The start leads to no solution. {sentence} {remedy}".strip())
 
 
+# What is said of a start whose motion has come near to where it was, and where no orbit is beside it.
+PERHAPS_NOT_PERIODIC = (
+    "The simulation has come near to where it was, and no periodic orbit was reached from there: the motion "
+    "may not be periodic, but quasi-periodic or chaotic; its next returns tell (contwalk simulate)."
+)
+
+
 def no_start(reason: str, sentence: str, what: str = "an equilibrium, or a named one") -> Outcome:
     """The start could not be corrected to a solution."""
     if reason in ("not_finite", "plugin_error"):

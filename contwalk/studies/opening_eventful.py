@@ -148,6 +148,7 @@ def _hybrid(
         sentence = f"{state.sentence} (itinerary: {itinerary})"
         if state.reason == "no_convergence":
             sentence = _with_hops(problem, z, sentence)
+            sentence = f"{sentence} {outcomes.PERHAPS_NOT_PERIODIC if settled else ''}".strip()
         return not_alone(problem, z, state) or outcomes.no_start(state.reason, sentence, "a periodic orbit")
     problem, _ = equations_at(problem, state.sample.z)
     collapsed = collapsed_event(problem, state.sample.z)

@@ -53,9 +53,9 @@ def smooth(start: OrbitStart) -> Opening | Outcome:
             begun = begin(problem, z, settings)
     if not isinstance(begun, ContinuationState):
         refuse(kinks_along(problem, z))
-        return not_alone(problem, z, begun) or outcomes.no_start(
-            begun.reason, begun.sentence, "a periodic orbit"
-        )
+        near = start.until == "settled" and begun.reason == "no_convergence"
+        sentence = f"{begun.sentence} {outcomes.PERHAPS_NOT_PERIODIC if near else ''}".strip()
+        return not_alone(problem, z, begun) or outcomes.no_start(begun.reason, sentence, "a periodic orbit")
     if not problem.moves(begun.sample.z):
         if faint:  # the last of a motion that dies away
             raise AtRest(state)
