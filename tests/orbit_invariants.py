@@ -15,6 +15,7 @@ from special_point_invariants import check_special_points
 from contwalk.branch import Branch
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.layout import times_chosen
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.system import Symmetry, System
 
@@ -95,7 +96,12 @@ def orbit_of(branch: Branch, problem: PeriodicOrbit | Equilibrium, row: np.void)
     length, fold = int(np.isfinite(row["unknowns"]).sum()), int(branch.info.settings["fold"])
     m = length // n
     cuts = np.arange(m) / m
-    if "scheme" in branch.info.settings:  # the times of the cuts stand last
+    settings = branch.info.settings
+    chosen = "scheme" in settings
+    if settings.get("evenly_first"):
+        given = (system.period is None) + len(settings.get("pins", ())) + 1
+        chosen = times_chosen(np.append(row["unknowns"][:length], row["free"][0]), n, given) is not None
+    if chosen:  # the times of the cuts stand last
         others = (system.period is None) + len(branch.info.settings.get("pins", ()))
         m = (length + 1 - others) // (n + 1)
         cuts = np.concatenate([[0.0], row["unknowns"][length - m + 1 : length]])

@@ -10,6 +10,7 @@ from contwalk.branch import Branch
 from contwalk.python_functions import line_of
 from contwalk.system import System
 from contwalk.workflow.blind_steps import blind_steps
+from contwalk.workflow.growing_cuts import growing_cuts
 from contwalk.workflow.run_file.settings import ReportAt
 
 NEVER = "which never happens on them"
@@ -29,6 +30,8 @@ def notes_of(branch: Branch, system: System, place: ReportAt | None) -> Iterator
         return
     if blind := blind_steps(branch):
         yield f"direction {branch.name}", blind
+    if cut := growing_cuts(branch):
+        yield f"cuts {branch.name}", cut
     events = None if branch.info.problem == "equilibrium" else _events(branch, system, place)
     absent = _absent(branch, system, place, events)
     if absent:

@@ -14,9 +14,10 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, added_by_cuts
+from contwalk.problems.orbit.layout import LEAST_CHOSEN
 from contwalk.problems.orbit.step_blocks import Steps, blocks, first_of_blocks, steps_of
-from contwalk.problems.orbit.stretching import stretched
-from contwalk.problems.orbit.transport import segments_for
+from contwalk.problems.orbit.stretching import carried, stretched
+from contwalk.problems.orbit.transport import STRETCHED, segments_for
 
 # Growth over a segment that is cut by it.
 GROWN = 1e3
@@ -44,10 +45,17 @@ def room(orbit: DiscretizedOrbit) -> int:
         return orbit.cuts
     if orbit.room is not None:
         return max(orbit.room, orbit.cuts)
-    if orbit.uneven:
+    if orbit.uneven or (orbit.in_closure and orbit.discretization.evenly_first):
         expected = orbit.discretization.scheme == "collocation"
         cuts, unknowns = (MOST_CUTS, MOST_UNKNOWNS) if expected else (FEWER_CUTS, FEWER_UNKNOWNS)
         return max(ROOM, orbit.cuts, min(cuts, unknowns // (orbit.states + 1)))
+    return even_room(orbit)
+
+
+def even_room(orbit: DiscretizedOrbit) -> int:
+    """Into how many segments of equal duration legs may be cut along a branch."""
+    if not orbit.cuttable:
+        return orbit.cuts
     most, allowed = orbit.cuts, ROOM if orbit.in_closure else ROOM_OF_LEGS
     bare, more = orbit.layout.rest.stop, added_by_cuts(orbit)
     while 2 * most <= allowed and (orbit.in_closure or bare + (2 * most - 1) * more <= UNKNOWNS_OF_LEGS):
@@ -60,7 +68,8 @@ def halves(orbit: DiscretizedOrbit) -> np.ndarray | None:
     many.
     """
     m = 2 * orbit.cuts
-    return np.arange(m) / m if m <= room(orbit) else None
+    most = even_room(orbit) if orbit.room is None else room(orbit)
+    return np.arange(m) / m if m <= most else None
 
 
 def recutting(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
@@ -71,15 +80,43 @@ def recutting(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
     m = orbit.cuts
     if not orbit.uneven:
         found = halves(orbit)
-        return None if found is None or not stretched(orbit, z) else found
+        if found is None:
+            return _chosen(orbit, z)
+        return found if stretched(orbit, z) else None
     if m == 1 and not stretched(orbit, z):
         return None
     steps = steps_of(orbit, z)
     found = _cuts(steps, room(orbit))
+    if orbit.discretization.evenly_first:
+        if len(found) == 1:  # over the whole of it they grow by less than what it is cut for
+            return found
+        found = _more(steps, found, LEAST_CHOSEN)
     if m > TOO_MANY * len(found):
         return found
     grown = _most_grown(steps, orbit.mesh.cuts)
     return found if grown > TOO_GROWN and _most_grown(steps, found) < BETTER * grown else None
+
+
+def _chosen(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
+    """Times of equal growth at which segments are to start that are of equal duration, shape (m,); None
+    where they are well.
+
+    What grows on the way and is forgotten before a segment ends, as in the jumps of a relaxation oscillation,
+    does Newton's method no harm, and cuts there would have to move with the jumps.
+    """
+    allowed = orbit.in_closure and orbit.discretization.evenly_first and room(orbit) >= LEAST_CHOSEN
+    if not allowed or carried(orbit, z) <= STRETCHED:
+        return None
+    found = _cuts(steps_of(orbit, z), room(orbit), LEAST_CHOSEN)
+    return found if len(found) >= LEAST_CHOSEN else None
+
+
+def size_with_room(orbit: DiscretizedOrbit) -> int:
+    """Unknowns of an orbit in as many segments as its branch has room for."""
+    most = orbit.cut_into(even_room(orbit)).size if orbit.room is None else 0
+    m = room(orbit)
+    chosen = orbit.discretization.evenly_first and m >= LEAST_CHOSEN
+    return max(most, (orbit.cut_at(0.5 * np.arange(m) / m) if chosen else orbit.cut_into(m)).size)
 
 
 def begun_at(orbit: DiscretizedOrbit, z: np.ndarray, begin: float) -> np.ndarray:
@@ -92,7 +129,7 @@ def begun_at(orbit: DiscretizedOrbit, z: np.ndarray, begin: float) -> np.ndarray
 def first_cuts(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """Times at which the segments of an orbit are to start that is one segment yet, shape (m,)."""
     m = segments_for(orbit, z)
-    if m == 1 or not orbit.uneven or orbit.discretization.segments is not None:
+    if m == 1 or not orbit.discretization.uneven or orbit.discretization.segments is not None:
         return np.arange(m) / m
     return cuts_for(orbit, z, room(orbit))
 
@@ -109,21 +146,32 @@ def cuts_for(orbit: DiscretizedOrbit, z: np.ndarray, most: int, begin: float = 0
         Where the closure begins; times count from there.
     """
     steps = steps_of(orbit, z)
-    first = int(np.searchsorted(steps.begins, begin - APART)) % len(steps.begins)
-    later = steps.begun(first)
-    return _cuts(replace(later, begins=later.begins - begin), most)
+    first = int(np.argmin(np.abs(steps.begins - begin)))  # as `Mesh.begun` has it
+    later, begin = steps.begun(first), float(steps.begins[first])
+    least = LEAST_CHOSEN if orbit.discretization.evenly_first else 1
+    return _cuts(replace(later, begins=later.begins - begin), most, least)
 
 
-def _cuts(steps: Steps, most: int) -> np.ndarray:
-    """As `cuts_for`, of steps in their order."""
+def _cuts(steps: Steps, most: int, least: int = 1) -> np.ndarray:
+    """As `cuts_for`, of steps in their order, into so many segments at least."""
     firsts = first_of_blocks(steps.factors, RESOLVED, np.inf)
     begins, factors = steps.begins[firsts], blocks(steps.factors, firsts)
     allowed = float(np.log(GROWN))
     while True:
         cuts = _greedy(begins, factors, allowed)
         if len(cuts) <= most or allowed > 600.0:
-            return cuts
+            return _more(steps, cuts, least) if len(cuts) < least else cuts
         allowed *= 1.3
+
+
+def _more(steps: Steps, cuts: np.ndarray, least: int) -> np.ndarray:
+    """So many cuts at least, (m,), if there are as many steps: the segment of most steps is cut in halves."""
+    starts = np.searchsorted(steps.begins, cuts - APART).tolist()
+    while len(starts) < min(least, len(steps.begins)):
+        counts = np.diff([*starts, len(steps.begins)])
+        longest = int(np.argmax(counts))
+        starts.insert(longest + 1, starts[longest] + int(counts[longest]) // 2)
+    return steps.begins[starts]
 
 
 def _most_grown(steps: Steps, cuts: np.ndarray) -> float:

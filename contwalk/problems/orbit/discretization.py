@@ -49,10 +49,11 @@ class Discretization:
         `auto`, or one of `flow.METHODS`.
     scheme : str
         `shooting`: an orbit's segments are of equal duration, and integrated by whichever method suits the
-        flow. `collocation`: they are of equal growth, and solved by collocation at Gauss points; legs between
-        events are solved so too, and cut as by `shooting`. `auto`: an
-        orbit over which deviations grow too much for one segment is cut at times of equal growth, and
-        integrated by whichever method suits the flow; where their number is given, as `shooting`.
+        flow. `auto`: as `shooting`, but for an orbit over which deviations grow too much for as many segments
+        as there may be: that is cut at times of equal growth. Where their number is given, as `shooting`.
+        `collocation`: segments are of equal growth, and solved by collocation at Gauss points; legs between
+        events are solved so too, and cut as by `shooting`. `grown`: of equal growth from the second segment
+        on, by any method, as `auto` was in databases of before.
     tolerance : float, optional
         Local error of the walk's integration, in units of each state's variation; from `accuracy` by default.
     segments : int, optional
@@ -73,12 +74,17 @@ class Discretization:
     phase: str = "section"
     report_at: tuple[int, float, float] | None = None
     report_event: tuple[str, str] | None = None
-    scheme: str = "shooting"
+    scheme: str = "auto"
 
     @property
     def uneven(self) -> bool:
-        """Whether the times at which an orbit is cut are chosen, and stand among its unknowns."""
-        return self.scheme == "collocation" or (self.scheme == "auto" and self.segments is None)
+        """Whether the times at which an orbit is cut are always chosen, and stand among its unknowns."""
+        return self.scheme in ("collocation", "grown")
+
+    @property
+    def evenly_first(self) -> bool:
+        """Whether segments are of equal duration until deviations grow too much for as many as may be."""
+        return self.scheme == "auto" and self.segments is None
 
     def integrator(self, tolerance: float) -> str:
         """The method for a local error, or `auto`."""

@@ -24,7 +24,7 @@ from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.itinerary import Itinerary
-from contwalk.problems.orbit.layout import ClosureLayout, Layout, Segment, joined
+from contwalk.problems.orbit.layout import ClosureLayout, Layout, Segment, joined, times_chosen
 from contwalk.problems.orbit.orbit_data import Further, OrbitData
 from contwalk.problems.orbit.passage import Passage, passage_of
 from contwalk.problems.orbit.piece import Piece, passed
@@ -37,6 +37,8 @@ from contwalk.system import System, Transition
 
 # Halves: pitchforks of orbits with a symmetry that nobody declared stay pitchforks as well.
 PARTS = 2
+# Parts of the closure by which times are those of segments of equal duration.
+SAME_TIME = 1e-12
 # Linearizations and motions that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
 
@@ -75,7 +77,9 @@ class DiscretizedOrbit(OrbitData):
         if self.in_closure:
             if self.discretization.uneven and times is None:
                 times = np.arange(cuts) / cuts
-            return ClosureLayout(self.states, self.forced, pins, cuts, times if self.uneven else None)
+            if not self.discretization.uneven and (times is None or not _chosen(self, times)):
+                times = None
+            return ClosureLayout(self.states, self.forced, pins, cuts, times)
         sizes = [len(self.system.states_of(leg.mode)) for leg in legs]
         return Layout(sizes, self.forced, pins, [1 if leg.collapsed else cuts for leg in legs])
 
@@ -118,7 +122,8 @@ class DiscretizedOrbit(OrbitData):
 
     def on(self, mesh: Mesh, section: Section | None) -> Self:
         """The same problem on another mesh, with another section."""
-        layout = self._laid_out(mesh.segments, mesh.cuts) if self.in_closure else self.layout
+        times = mesh.cuts if self.uneven else None
+        layout = self._laid_out(mesh.segments, times) if self.in_closure else self.layout
         return self.varied(_mesh=mesh, section=section, reference_orbit=None, layout=layout)
 
     def cut_into(self, cuts: int) -> Self:
@@ -146,17 +151,19 @@ class DiscretizedOrbit(OrbitData):
         """The same problem with the segments of a solution, which its length tells; where times of cuts stand
         in it, with these.
         """
+        times = _times_in(self, z)
+        if times is not None:
+            return self.varied(layout=self._laid_out(len(times), times))
         if len(z) == self.size + 1 and not self.uneven:
             return self
-        cuts = self.cuts + (len(z) - 1 - self.size) // added_by_cuts(self)
-        if not self.uneven:
-            return self.cut_into(cuts)
-        return self.varied(layout=self._laid_out(cuts, np.append(0.0, z[len(z) - cuts : -1])))
+        if self.uneven:
+            return self.varied(layout=self._laid_out(1)).fitting(z)
+        return self.cut_into(self.cuts + (len(z) - 1 - self.size) // added_by_cuts(self))
 
     @property
     def uneven(self) -> bool:
-        """Whether times of cuts stand among the unknowns."""
-        return self.in_closure and self.discretization.uneven
+        """Whether times of cuts are chosen, and stand among the unknowns."""
+        return self.in_closure and self.layout.times is not None
 
     @cached_property
     def passages(self) -> tuple[Passage, ...]:
@@ -347,6 +354,23 @@ def _nodes(whole: Piece, known: list[np.ndarray], segments: list[Viewed]) -> np.
     if sum(map(len, parts)) == len(whole.steps):
         return np.concatenate(parts)
     return np.concatenate([*(part[:-1] for part in parts), parts[-1][-1:]])
+
+
+def _times_in(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
+    """The times of cuts that stand in a solution, shape (m,), if they were chosen."""
+    asked = orbit.discretization
+    if not orbit.in_closure or not (asked.uneven or asked.evenly_first):
+        return None
+    if asked.evenly_first:
+        return times_chosen(z, orbit.states, orbit.layout.others)
+    m = (len(z) - orbit.layout.others + 1) // (orbit.states + 1)
+    return np.append(0.0, z[len(z) - m : -1])
+
+
+def _chosen(orbit: DiscretizedOrbit, times: np.ndarray) -> bool:
+    """Whether times of cuts, shape (m,), are chosen, or those of segments of equal duration."""
+    even = np.arange(len(times)) / len(times)
+    return orbit.discretization.evenly_first and not np.allclose(times, even, rtol=0.0, atol=SAME_TIME)
 
 
 def added_by_cuts(orbit: DiscretizedOrbit) -> int:

@@ -6,7 +6,7 @@ from typing import Any
 
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit import reporting
-from contwalk.problems.orbit.cutting import room
+from contwalk.problems.orbit.cutting import room, size_with_room
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.itinerary import stored_leg
 
@@ -17,7 +17,7 @@ def branch_facts(orbit: DiscretizedOrbit, observables: tuple[str, ...]) -> dict[
     return facts | {
         "problem": orbit.kind,
         "observables": observables,
-        "unknowns": orbit.cut_into(room(orbit)).size,
+        "unknowns": size_with_room(orbit),
         "spectrum": max(orbit.spectrum_size, 1),
         "closure": orbit.whole[0],
         "subharmonic": orbit.subharmonic,
@@ -34,10 +34,18 @@ def branch_facts(orbit: DiscretizedOrbit, observables: tuple[str, ...]) -> dict[
 def _of_closure(orbit: DiscretizedOrbit) -> dict[str, Any]:
     return {
         "segments": orbit.mesh.segments,
-        **({"scheme": orbit.discretization.scheme} if orbit.uneven else {}),
+        **_scheme(orbit),
         "parts": orbit.parts,
         "power": orbit.itinerary.power,
     }
+
+
+def _scheme(orbit: DiscretizedOrbit) -> dict[str, Any]:
+    """How times of cuts are chosen, where they are or may come to be."""
+    asked = orbit.discretization
+    if asked.evenly_first:
+        return {"scheme": asked.scheme, "evenly_first": True}
+    return {"scheme": "auto" if asked.scheme == "grown" else asked.scheme} if orbit.uneven else {}
 
 
 def _of_legs(orbit: DiscretizedOrbit) -> dict[str, Any]:

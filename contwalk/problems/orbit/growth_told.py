@@ -28,7 +28,7 @@ def over_closure(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
         return f"{grown} More segments than these are not made."
     other = "auto" if scheme == "shooting" else "collocation"
     remedy = f"`engine: {{discretization: {other}}}`, which cuts orbits where deviations grow"
-    return f"{grown} Begin the branch with {remedy}{f', or with {more}' if scheme == 'shooting' else ''}."
+    return f"{grown} Begin the branch with {remedy}{'' if orbit.uneven else f', or with {more}'}."
 
 
 def over_legs(orbit: DiscretizedOrbit) -> str:

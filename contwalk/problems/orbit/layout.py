@@ -21,6 +21,9 @@ from itertools import pairwise
 
 import numpy as np
 
+# Segments at least where times of cuts are chosen after some of equal duration.
+LEAST_CHOSEN = 9
+
 
 @dataclass(frozen=True)
 class Segment:
@@ -161,8 +164,9 @@ class ClosureLayout(Positions):
     cuts : int
         Number of segments.
     times : ndarray, shape (cuts,), optional
-        Times at which they start. They then stand among the unknowns, but for the first, behind the drifts,
-        and are held by an equation each: a stored solution tells what it was solved on.
+        Times at which they start, if these are chosen. They then stand among the unknowns, but for the
+        first, behind the drifts, and are held by an equation each: a stored solution tells what it was solved
+        on.
     """
 
     def __init__(
@@ -172,6 +176,7 @@ class ClosureLayout(Positions):
         shared = total + timed + pins
         places = [slice(i * states, (i + 1) * states) for i in range(cuts)]
         self.legs, self.sizes, self.cuts, self.size = 1, (states,), (cuts,), shared
+        self.others = timed + pins + 1
         self.states, self.matches = places[:1], places[-1:]
         self.scalars: slice | np.ndarray = slice(total, None)
         self.durations, self.drifts = slice(total, total + timed), slice(total + timed, shared)
@@ -227,6 +232,19 @@ class ClosureLayout(Positions):
             return np.concatenate([flat, scalars])
         inner = np.broadcast_to(cuts, len(flat) // self.sizes[0])[1:]
         return np.concatenate([flat, scalars[:-1], inner, scalars[-1:]])
+
+
+def times_chosen(z: np.ndarray, states: int, others: int) -> np.ndarray | None:
+    """The times of cuts that stand in an orbit z, (N + 1,), of such states and other unknowns, shape (m,).
+
+    None where its segments are of equal duration: chosen ones are so many that no other solution of this
+    length ends in such times, which grow between 0 and 1.
+    """
+    m, left = divmod(len(z) - others + 1, states + 1)
+    if left or m < LEAST_CHOSEN:
+        return None
+    times = np.append(0.0, z[len(z) - m : -1])
+    return times if np.all(np.diff(np.append(times, 1.0)) > 0.0) else None
 
 
 class Layout(Positions):

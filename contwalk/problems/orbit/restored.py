@@ -26,7 +26,9 @@ def restored(facts: Facts) -> PeriodicOrbit:
         subharmonic=info.subharmonic,
         # What stands among the unknowns is the branch's own, whatever a run asks of its orbits.
         discretization=_as_stored(
-            facts.discretization or Discretization(), str(stored.get("scheme", "shooting"))
+            facts.discretization or Discretization(),
+            str(stored.get("scheme", "shooting")),
+            bool(stored.get("evenly_first")),
         ),
     )
     image = _image(facts.system, info)
@@ -37,9 +39,11 @@ def restored(facts: Facts) -> PeriodicOrbit:
     return closed.varied(parts=int(stored.get("parts", 1)))
 
 
-def _as_stored(asked: Discretization, scheme: str) -> Discretization:
+def _as_stored(asked: Discretization, scheme: str, evenly_first: bool) -> Discretization:
     """What a run asks of its orbits, and the discretisation that a branch was stored with."""
-    return replace(asked, scheme=scheme, segments=None if scheme == "auto" else asked.segments)
+    if scheme == "auto":
+        return replace(asked, scheme=scheme if evenly_first else "grown", segments=None)
+    return replace(asked, scheme=scheme)
 
 
 def _image(system: System, info: BranchInfo) -> str:

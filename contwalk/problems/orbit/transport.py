@@ -135,7 +135,7 @@ def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample
 
     `cuts` have the shape (m,).
     """
-    own = problem.uneven and problem.reference_orbit is None
+    own = problem.cut_at(cuts).uneven and problem.reference_orbit is None
     mesh = problem.mesh.divided(cuts) if own else None
     cuts = cuts if mesh is None else mesh.cuts
     passed = [
@@ -185,7 +185,7 @@ def _in_segments(
         other = other.adapted_to(z, weights)
     else:
         section = section_through(problem, z[layout.states[0]], other.given(z), mesh.magnitudes)
-        other = problem.on(mesh, section)
+        other = other.on(mesh, section)
     return other, _examined(other, z, other.into_section(z, tangent), weights, sample)
 
 

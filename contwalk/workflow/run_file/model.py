@@ -210,7 +210,7 @@ class Engine(Section):
         default=None, description="auto, dop853, verner98, radau5 or radau9"
     )
     discretization: Literal["auto", "shooting", "collocation"] | None = Field(
-        default=None, description="shooting (the default), auto or collocation"
+        default=None, description="auto (the default), shooting or collocation"
     )
     tolerance: Positive | None = Field(default=None, description="a positive number: local error of the flow")
     segments: int | None = Field(default=None, ge=1, le=200, description="a whole number from 1 to 200")

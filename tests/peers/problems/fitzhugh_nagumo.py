@@ -47,7 +47,6 @@ PEER = Peer(
                 "parameters": {"eps": 0.01},
                 "start": {"state": {"v": -1.2, "w": -0.6}},
                 "continue": {"parameter": "I", "range": [0.0, 2.0], "max_points": 2000},
-                "engine": {"discretization": "auto"},
             },
             values=(
                 Value("HB", 0.29666066400809676, 1e-15, FORTY_DIGITS, criticality="subcritical"),

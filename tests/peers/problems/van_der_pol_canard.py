@@ -33,7 +33,6 @@ def study(eps: float, slow: bool) -> Study:
             "parameters": {"a": 1.2, "eps": eps},
             "start": {"state": {"x": 1.2, "y": -0.624}},
             "continue": {"parameter": "a", "range": [-1.5, 1.5], "max_points": 2000},
-            "engine": {"discretization": "auto"},
         },
         values=(
             Value("HB", -1.0, 1e-15, CLOSED_FORM, criticality="supercritical"),

@@ -11,6 +11,7 @@ from contwalk.branch import Branch
 from contwalk.continuation import outcomes
 from contwalk.continuation.reopening import reopened
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.layout import times_chosen
 from contwalk.problems.orbit.transport import MOST_GROWTH, growth, segments_of_growth
 from contwalk.studies import opening_smooth
 
@@ -20,13 +21,15 @@ SOLVED = 20.0
 
 def segments(branch: Branch) -> list[int]:
     """Into how many segments the orbit of each row is cut; times of cuts that are chosen are unknowns too."""
-    timed = int("scheme" in branch.info.settings)
-    each = len(branch.info.states) + timed
-    return [(len(branch.unknowns(row)) - 2 + timed) // each for row in range(len(branch))]
+    n, found = len(branch.info.states), []
+    for z in map(branch.unknowns, range(len(branch))):
+        times = times_chosen(z, n, 2)  # beside the states the period and the parameter
+        found.append((len(z) - 2) // n if times is None else len(times))
+    return found
 
 
-# Into how many segments the orbits below are cut at last: halves of halves, or segments of equal growth.
-SCHEMES = pytest.mark.parametrize(("scheme", "most"), [("shooting", 4), ("auto", 6)])
+# Into how many segments the orbits below are cut at last: halves of halves are enough.
+SCHEMES = pytest.mark.parametrize(("scheme", "most"), [("shooting", 4), ("auto", 4)])
 
 
 def beside_a_circle(t, x, p, dx):
@@ -67,7 +70,7 @@ def test_an_orbit_is_a_solution_on_the_segments_that_it_was_cut_into(scheme, mos
         problem, [1.0, 0.0, 0.0], range=(0.5, 6.0), period=2.0 * np.pi, direction="forward"
     )
     assert branch.outcome.reason == "bound"
-    assert (4 if scheme == "shooting" else 3) <= segments(branch)[-1] <= most
+    assert segments(branch)[-1] == most
     assert branch.points["residual"].max() < SOLVED
     # Where Newton's method reaches is what limits a step: cut in time, they are limited by curvature.
     assert len(branch) < 150
