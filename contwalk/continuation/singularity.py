@@ -10,6 +10,9 @@ from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.linear import Factored, critical_pair, deficiency, solution_plane
 from contwalk.problems.problem import Sample
 
+# The parameter stands still where the tangent has no larger share of it than this, in the metric.
+STILL = 1e-9
+
 
 def singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], float]:
     """A smooth function that vanishes where [DF; tangent] is singular.
@@ -49,10 +52,11 @@ def _nearer(segment: Segment, p: Sample, q: Sample) -> tuple[Sample, np.ndarray,
     """Of two samples the one nearer to a branch point, the left critical vector there, and the directions of
     solutions.
 
-    The critical vector is that of F_u; along a vertical branch F_u is singular everywhere, and it is DF's.
+    The critical vector is that of F_u; where the parameter stands still F_u is singular everywhere, and it is
+    DF's.
     """
     jacobians = [segment.problem.jacobian(sample.z) for sample in (p, q)]
-    if segment.vertical:
+    if all(abs(float(sample.tangent[-1])) <= STILL * float(sample.weights[-1]) for sample in (p, q)):
         found = [deficiency(jacobian, segment.weights) for jacobian in jacobians]
         nearer = int(found[1].value < found[0].value)
         return (p, q)[nearer], found[nearer].left, found[nearer].plane

@@ -67,23 +67,45 @@ def zero_borders(matrix: np.ndarray, units: np.ndarray | None = None) -> Borders
     return _borders(vh[-1], u[:, -1], d)
 
 
+# Two vectors whose angle has a smaller cosine than this tell no sum.
+UNTOLD = 0.1
+
+
 def pair_borders(matrix: np.ndarray, finite: np.ndarray, kappa: float) -> Borders:
     """Borders for the eigenvalues s and -s with s^2 = -kappa, the same for both.
 
     In balanced units the row is the sum of both right vectors, turned to each other: it is at a right angle
-    to neither of them, nor to the vector that they become where they meet.
+    to neither of them, nor to the vector that they become where they meet. Balanced, two vectors that nearly
+    meet may be at a right angle to each other, and tell no such sum: then it is taken in the states' own
+    units.
 
     The matrix is F_u, shape (N, N), `finite` which unknowns have rates, shape (N,).
     """
     scaled, d = balanced(matrix)
-    if kappa > 0.0:
-        u, _, vh = np.linalg.svd(scaled - 1j * np.sqrt(kappa) * np.diag(finite))
-        return _borders(major(vh[-1].conj()), major(u[:, -1]), d)
-    s = np.sqrt(-kappa)
-    first, second = (np.linalg.svd(scaled - sign * s * np.diag(finite)) for sign in (1.0, -1.0))
-    right = towards(second[2][-1], first[2][-1]) + first[2][-1]
-    left = towards(second[0][:, -1], first[0][:, -1]) + first[0][:, -1]
-    return _borders(right, left, d)
+    right, left = _pair_vectors(scaled, finite, kappa)
+    if min(_sum_told(right), _sum_told(left)) < UNTOLD:
+        scaled, d = matrix, np.ones(len(matrix))
+        right, left = _pair_vectors(scaled, finite, kappa)
+    return _borders(_turned_sum(right), _turned_sum(left), d)
+
+
+def _pair_vectors(matrix: np.ndarray, finite: np.ndarray, kappa: float) -> tuple[np.ndarray, np.ndarray]:
+    """Both right and both left vectors of s and -s, units, each of the shape (2, N)."""
+    s = 1j * np.sqrt(kappa) if kappa > 0.0 else np.sqrt(-kappa)
+    first, second = (np.linalg.svd(matrix - sign * s * np.diag(finite)) for sign in (1.0, -1.0))
+    return np.array([first[2][-1], second[2][-1]]).conj(), np.array([first[0][:, -1], second[0][:, -1]])
+
+
+def _sum_told(pair: np.ndarray) -> float:
+    """How far two vectors, shape (2, N), are from a right angle to each other: a cosine."""
+    first, second = pair
+    return float(abs(np.sum(first * first))) if np.iscomplexobj(pair) else float(abs(first @ second))
+
+
+def _turned_sum(pair: np.ndarray) -> np.ndarray:
+    """The sum of two vectors, shape (2, N), turned to each other, real, shape (N,)."""
+    first, second = pair
+    return major(first) if np.iscomplexobj(pair) else towards(second, first) + first
 
 
 def major(v: np.ndarray) -> np.ndarray:

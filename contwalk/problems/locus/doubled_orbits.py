@@ -99,11 +99,14 @@ def found_beside(
     `born` is asked with the doubled orbits to both sides of the point, and the amplitude to begin at.
     """
     z = np.array(point.unknowns)
+    there, own = problem.plane.first(z)
+    # The borders of the curve's beginning need not fit here.
+    curve = problem.on(there.finely(own), z, problem.weights)
 
     def of_doubled(beside: np.ndarray, aside: float) -> Seed | None:
-        return born(DoubledOrbits(problem, beside, z[-2:]), AMPLITUDE * aside**0.5)
+        return born(DoubledOrbits(curve, beside, z[-2:]), AMPLITUDE * aside**0.5)
 
-    return born_beside(problem, z, problem.weights, ASIDE, of_doubled)
+    return born_beside(curve, z, curve.weights, ASIDE, of_doubled)
 
 
 def born_beside(

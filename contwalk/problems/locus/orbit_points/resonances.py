@@ -18,7 +18,7 @@ from contwalk.problems.locus.orbit_points.point import (
     near_of,
     together,
 )
-from contwalk.problems.locus.orbit_points.switching import born
+from contwalk.problems.locus.orbit_points.switching import born, ones_born
 from contwalk.problems.locus.orbit_points.turning_angle import SEMISIMPLE, TURNS_BACK, turning_angle
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import Located, Sample, Seed, Test
@@ -53,8 +53,8 @@ class R1OnTori(OnTori):
     label, cosine = "R1", 1.0
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of folds."""
-        return born(problem, point, "LP")
+        """The curve of folds, or of branch points."""
+        return ones_born(problem, point)
 
 
 class R2OnTori(OnTori):

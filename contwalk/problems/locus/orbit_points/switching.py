@@ -14,11 +14,14 @@ from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_curves import CURVES, Limits
 from contwalk.problems.locus.orbit_places import OrbitPlane
+from contwalk.problems.locus.valued_curves import BranchPoints
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.problem import Seed
 
 # How far beside the point the other curve begins, in the metric: walking back finds the point.
 BESIDE = 1e-2
+# A singular value of a curve's equations is nothing below this part of the largest one.
+PERSISTS = 1e-6
 # How far along a direction slopes are looked at for second derivatives, in the metric.
 DIFFERENCE = 1e-4
 
@@ -27,6 +30,25 @@ def born(problem: Any, point: SpecialPoint, label: str, cosine: float | None = N
     """The curve of folds, doublings or tori through a point; of tori with (mu + 1/mu) / 2 there."""
     further = np.zeros(0) if cosine is None else np.array([cosine])
     return _begun(problem, point, lambda there, near: (CURVES[label], further))
+
+
+def ones_born(problem: Any, point: SpecialPoint) -> list[Seed]:
+    """The curve of folds through a point with a multiplier one; of branch points, where these persist.
+
+    There the equations of folds are singular.
+    """
+    folds = born(problem, point, "LP")
+    if not any(_singular(seed.problem, np.array(point.unknowns)) for seed in folds):
+        return folds
+    return _begun(problem, point, lambda there, near: (BranchPoints(), np.zeros(1)))
+
+
+def _singular(folds: Any, z: np.ndarray) -> bool:
+    """Whether the equations of a curve of folds are so at a point z, shape (N + k + 2,), of another curve."""
+    place, n = np.concatenate([z[: folds.plane.size], z[-2:]]), folds.plane.size
+    rows = np.concatenate([folds.orbit.equation_scales, np.ones(1)])
+    values = np.linalg.svd(folds.jacobian(place) / rows[:, None] * folds.weights, compute_uv=False)
+    return bool(values[n] < PERSISTS * values[0])
 
 
 def limit_born(problem: Any, point: SpecialPoint, label: str) -> list[Seed]:

@@ -18,7 +18,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.marked_value import Crossing
-from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, together
+from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, known_to, together
 from contwalk.problems.locus.orbit_points.switching import both_born, crossing_born, second_cosine
 from contwalk.problems.locus.orbit_points.two_at_once import BRANCH_POINT, TwoAtOnce
 from contwalk.problems.locus.persistence import unfolds
@@ -81,10 +81,14 @@ class WhereBranchesCross(Crossing):
         return crossing_born(problem, point)
 
     def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of the point by the name that it has as one of both curves."""
-        return replace(
-            super().describe(problem, located, sample, s), label=self._both, kind=BRANCH_POINT, note=NOTE
-        )
+        """The record of the point by the name that it has as one of both curves.
+
+        Where a pair that the curve holds is at one itself, no other multiplier is: two curves cross there.
+        """
+        record, held = super().describe(problem, located, sample, s), problem.further(located.z)
+        if len(held) and float(held[0]) >= 1.0 - known_to(problem):
+            return record
+        return replace(record, label=self._both, kind=BRANCH_POINT, note=NOTE)
 
     def has(self, point: SpecialPoint) -> bool:
         """A crossing, told as one or as the point that it is."""

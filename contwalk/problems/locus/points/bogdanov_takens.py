@@ -10,8 +10,9 @@ from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, DoubleZero
-from contwalk.problems.locus.curves import FOLDS, HOPF_POINTS
+from contwalk.problems.locus.curves import HOPF_POINTS
 from contwalk.problems.locus.normal_forms import bogdanov_takens_coefficients
+from contwalk.problems.locus.points.persisting import zeros_born
 from contwalk.problems.locus.points.point import LocusPoint, born, located_by
 from contwalk.problems.locus.points.second_zero import second_zero, two_vectors
 from contwalk.problems.problem import Located, Sample, Seed, Test
@@ -98,8 +99,8 @@ class VanishingFrequency(BogdanovTakens):
     test, saddles = Test.VALUE, True
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of folds."""
-        return born(problem, point, FOLDS)
+        """The curve of folds, or of branch points."""
+        return zeros_born(problem, point)
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The square of the frequency."""

@@ -9,7 +9,7 @@ evaluated with as many digits as it takes.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -35,8 +35,13 @@ class Crossing(LocusPoint):
     label, test, changes, singular, daughters = "BP", Test.ORIENTATION, (-1, 0, 1), True, 1
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
-        """The crossing near a sample."""
-        return _Singular(problem, sample.z, sample.weights).located(sample.z)
+        """The crossing near a sample.
+
+        Rounding tells how much each equation counts; one whose terms all vanish there counts by its units.
+        """
+        by_rounding = _Singular(problem, sample.z, sample.weights)
+        by_units = replace(by_rounding, rows=sample.weights[:-1])
+        return by_rounding.located(sample.z) or by_units.located(sample.z)
 
     def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
         """Of the two tangents there that of the curve that `near` is on, shape (N + 1,)."""
@@ -66,12 +71,14 @@ class Crossing(LocusPoint):
 class _Singular:
     """The equations of a curve at and near a place where they are singular.
 
-    z and the weights have the shape (M + 1,) for M equations G.
+    z and the weights have the shape (M + 1,) for M equations G. `rows` are magnitudes of these, shape (M,);
+    without, their rounding tells them.
     """
 
     problem: Any
     z: np.ndarray
     weights: np.ndarray
+    rows: np.ndarray | None = None
 
     @cached_property
     def _levels(self) -> np.ndarray:
@@ -82,7 +89,8 @@ class _Singular:
     @cached_property
     def borders(self) -> CrossingBorders:
         """Of DG."""
-        return crossing_borders(self._slopes(self.z), self._levels / EPSILON, self.weights)
+        rows = self._levels / EPSILON if self.rows is None else self.rows
+        return crossing_borders(self._slopes(self.z), rows, self.weights)
 
     def _slopes(self, u: np.ndarray) -> np.ndarray:
         """DG, shape (M, M + 1)."""

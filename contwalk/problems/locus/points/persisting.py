@@ -11,9 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.problems.locus.branch_points import BranchPoint
+from contwalk.branch import SpecialPoint
+from contwalk.numerics.linear import deficiency
+from contwalk.problems.locus.branch_points import PERSISTS, BranchPoint
 from contwalk.problems.locus.branch_points import branch_point as near
-from contwalk.problems.problem import Located, Sample
+from contwalk.problems.locus.curves import BRANCH_POINTS, FOLDS
+from contwalk.problems.locus.points.point import born
+from contwalk.problems.problem import Located, Sample, Seed
 
 # How near to the creeping solution the regular one is, in typical magnitudes.
 THERE = 1e-4
@@ -38,3 +42,15 @@ def better(sample: Sample, found: Located | None, crossing: Located | None) -> L
 def persists(located: Located) -> bool:
     """Whether a point was located by a branch point's condition."""
     return any(isinstance(condition, BranchPoint) for condition in located.vectors["augmented"].conditions)
+
+
+def zeros_born(problem: Any, point: SpecialPoint) -> list[Seed]:
+    """The curve of folds through a point with a zero eigenvalue; of branch points, where these persist.
+
+    There the equations of folds are singular.
+    """
+    other, z = problem.other(FOLDS, np.array(point.unknowns), 0.0)
+    there = other.linearize(z)
+    known = np.where(np.isfinite(there.magnitudes) & (there.magnitudes > 0.0), there.magnitudes, 1.0)
+    singular = np.all(np.isfinite(there.jacobian)) and deficiency(there.jacobian, known).value < PERSISTS
+    return born(problem, point, BRANCH_POINTS if singular else FOLDS)
