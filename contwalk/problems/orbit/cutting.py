@@ -88,8 +88,8 @@ def recutting(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
     steps = steps_of(orbit, z)
     found = _cuts(steps, room(orbit))
     if orbit.discretization.evenly_first:
-        if len(found) == 1:  # over the whole of it they grow by less than what it is cut for
-            return found
+        if len(found) == 1:  # as by shooting, which keeps its segments: in one the next growth would not show
+            return np.arange(ROOM) / ROOM
         found = _more(steps, found, LEAST_CHOSEN)
     if m > TOO_MANY * len(found):
         return found

@@ -84,6 +84,13 @@ def test_what_segments_of_equal_duration_do_not_take_is_cut_where_deviations_gro
     np.testing.assert_array_equal(problem.fitting(found.unknowns(0)).layout.begins, first.mesh.cuts)
 
 
+def test_both_explosions_of_a_nerve_are_passed_by_default():
+    """Between them one segment is enough, and would not show how deviations grow in the second one."""
+    found, _ = nerve_cycles(0.05, Discretization())
+    assert found.outcome.reason == "shrunk", found.outcome
+    assert [fold.status for fold in labelled(found, "LP")] == ["located", "located"]
+
+
 def test_an_orbit_that_begins_within_its_last_step_has_its_cuts_in_the_closure():
     """It was stored as one segment there, in the middle of an explosion, and the branch ended."""
     found, system = nerve_cycles(0.05, Discretization(scheme="grown"))
