@@ -99,20 +99,24 @@ def goes_on(kinds: Sequence[PointType], end: SpecialPoint, events: Mapping[str, 
 
 def stuck(reason: str, sentence: str, step: float, name: str, value: float, known: str = "") -> Outcome:
     """No step of any length succeeded; `known` is what the problem knows to be in the way, and what helps."""
-    where = f"at {name} = {value:.10g}"
-    if reason in ("not_finite", "no_convergence"):
-        return Outcome(
-            "failed",
-            reason,
-            " ".join(f"{sentence} {known} The last good point is {where}; end the range before it.".split()),
-        )
-    if reason == "plugin_error":
-        return Outcome("failed", "plugin_error", f"{sentence} The last good point is {where}.")
+    if reason in ("not_finite", "plugin_error"):
+        return given_up(reason, sentence, name, value, known)
     other = "The branch may end there, or the field may not be smooth; look at it with `contwalk show`."
+    where = f"at {name} = {value:.10g}"
     return Outcome(
         "failed",
         "step_too_small",
         f"No step succeeds {where}, down to {step:.1e}: {sentence} {known or other}",
+    )
+
+
+def given_up(reason: str, sentence: str, name: str, value: float, known: str = "") -> Outcome:
+    """Something beside a point could not be computed, for this reason; `known` as of `stuck`."""
+    where = f"The last good point is at {name} = {value:.10g}"
+    if reason == "plugin_error":
+        return Outcome("failed", reason, f"{sentence} {where}.")
+    return Outcome(
+        "failed", reason, " ".join(f"{sentence} {known} {where}; end the range before it.".split())
     )
 
 

@@ -100,9 +100,7 @@ def walk(
         reason = outcomes.reason_of(error)
         sentence = error.sentence if isinstance(error, ContwalkError) else outcomes.singular(error)
         known = "" if reason == "plugin_error" else problem.diagnosis.obstacle(state.sample.z)
-        outcome = outcomes.stuck(
-            reason, sentence, state.step, observer.line.free, state.sample.parameter, known
-        )
+        outcome = outcomes.given_up(reason, sentence, observer.line.free, state.sample.parameter, known)
     bound = _bound(state, settings, observer) if outcome.reason == "bound" else None
     if point[1].s == state.s and not np.array_equal(point[1].sample.z, state.sample.z):
         problem, state = point  # what follows would have begun elsewhere on the orbit: the end is the point

@@ -3,7 +3,8 @@
 Over a segment deviations may decay by any factor, and what is left of them drowns in the rounding of what has
 not decayed. Where they grow again later, as on a canard, so does this noise. Over a block of steps they
 neither grow nor decay by much: the multipliers, from the periodic Schur form of the blocks, have their own
-relative accuracy.
+relative accuracy. An explicit method's steps along what attracts strongly are as long as its stability
+allows, right for the orbit, and for deviations wrong by any factor: for multipliers they are taken in parts.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from contwalk.problems.orbit.multipliers import Multipliers, multipliers
 
 # Growth, and decay, over a block of steps at most, as far as the norms of steps tell.
 GROWN, DECAYED = 1e3, 1e4
+# For multipliers each step is taken in so many parts.
+PARTS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,17 +59,19 @@ def steps_of(orbit: DiscretizedOrbit, z: np.ndarray) -> Steps:
     return orbit.known.at("steps", z, 2, lambda: _taken(orbit, z))
 
 
-def _taken(orbit: DiscretizedOrbit, z: np.ndarray) -> Steps:
+def _taken(orbit: DiscretizedOrbit, z: np.ndarray, parts: int = 1) -> Steps:
+    """The steps of the orbit of z, each taken in so many parts."""
     mesh, n, values = orbit.mesh, orbit.states, orbit.given(z)
     nodes, own = orbit.view(z)[0].nodes, np.flatnonzero(np.diff(mesh.times) > 0.0)
     begins, ends = mesh.times[own], mesh.times[own + 1]
     field = orbit.passages[0].field(PLAIN)
-    pairs = np.column_stack([begins, ends]).ravel()
+    times = begins[:, None] + (ends - begins)[:, None] * (np.arange(parts + 1) / parts)
+    times[:, -1] = ends
     states, moved = flow.along_with_tangents(
-        field, field.constants(values), pairs, nodes[own], np.eye(n), np.full(n, -1), mesh.method
+        field, field.constants(values), times.ravel(), nodes[own], np.eye(n), np.full(n, -1), mesh.method
     )
-    arrived = states[1::2].copy()
-    orbit.effort.spend(STAGES[mesh.method] * (1 + n) * len(own))
+    arrived = states[parts :: parts + 1].copy()
+    orbit.effort.spend(STAGES[mesh.method] * (1 + n) * len(own) * parts)
     columns = np.hstack([moved[-1], np.zeros((n, len(orbit.passages[0].columns)))])
     arrived[-1], columns = orbit.segments[-1].through(PLAIN, arrived[-1], columns, values)
     arrived[-1], moved[-1] = arrived[-1] - orbit.turns, columns[:, :n]
@@ -108,7 +113,8 @@ def multipliers_of(orbit: DiscretizedOrbit, z: np.ndarray, becoming: np.ndarray 
     becoming : ndarray, shape (n,), optional
         Of an orbit that is a point still, where it is about to go.
     """
-    steps = steps_of(orbit, z)
+    # Steps follow the orbit: what decays within one by much is whatever the method makes of it.
+    steps = _taken(orbit, z, PARTS)
     if not np.isfinite(steps.factors).all():
         size = orbit.spectrum_size
         return Multipliers(np.full(size, np.nan + 0j), np.full(size, np.inf), 1.0)
@@ -123,10 +129,9 @@ def multipliers_of(orbit: DiscretizedOrbit, z: np.ndarray, becoming: np.ndarray 
     elif orbit.moves(z):
         arriving = _directions(orbit, z, steps.arrived[lasts], steps.ends[lasts])
     tolerance = orbit.mesh.amplified * orbit.mesh.tolerance
+    gradients, positive = len(orbit.system.conserved), not (orbit.itinerary.image or orbit.forced)
     given = factors, leaving, units, tolerance, arriving
-    return multipliers(
-        *given, gradients=len(orbit.system.conserved), positive=not (orbit.itinerary.image or orbit.forced)
-    )
+    return multipliers(*given, gradients=gradients, positive=positive)
 
 
 def _directions(orbit: DiscretizedOrbit, z: np.ndarray, states: np.ndarray, times: np.ndarray) -> np.ndarray:
