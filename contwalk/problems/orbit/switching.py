@@ -36,7 +36,7 @@ def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     v = _critical(problem, z)
     name = reversing(problem, z, v)
     if name:
-        half = problem.of_itinerary(replace(problem.itinerary, image=name), 2)
+        half = problem.of_itinerary(replace(problem.itinerary, image=name, power=1, order=2), 2)
         return _leaving(problem, z, v, half, 1, "PD")
     return _leaving(problem, z, v, _gone_round(problem, 2), 2, "PD")
 

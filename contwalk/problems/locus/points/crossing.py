@@ -9,7 +9,7 @@ evaluated with as many digits as it takes.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -35,13 +35,8 @@ class Crossing(LocusPoint):
     label, test, changes, singular, daughters = "BP", Test.ORIENTATION, (-1, 0, 1), True, 1
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
-        """The crossing near a sample.
-
-        Rounding tells how much each equation counts; one whose terms all vanish there counts by its units.
-        """
-        by_rounding = _Singular(problem, sample.z, sample.weights)
-        by_units = replace(by_rounding, rows=sample.weights[:-1])
-        return by_rounding.located(sample.z) or by_units.located(sample.z)
+        """The crossing near a sample."""
+        return _Singular(problem, sample.z, sample.weights).located(sample.z)
 
     def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
         """Of the two tangents there that of the curve that `near` is on, shape (N + 1,)."""
@@ -65,6 +60,14 @@ class Crossing(LocusPoint):
         parent = parent / np.linalg.norm(parent)
         other = min(found, key=lambda t: abs(float((t / weights) @ parent)))
         return (Seed("BP", z, other, None, there),)
+
+
+def located_by_units(problem: Any, sample: Sample) -> Located | None:
+    """The crossing near a sample, where an equation whose terms all vanish counts by its units.
+
+    By its rounding it would count more than all others just beside such a place.
+    """
+    return _Singular(problem, sample.z, sample.weights, sample.weights[:-1]).located(sample.z)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.conditions import Augmented, Pair, Zero
 from contwalk.problems.locus.curves import FOLDS, HOPF_POINTS
 from contwalk.problems.locus.normal_forms import zero_hopf_coefficients
-from contwalk.problems.locus.points.crossing import Crossing
+from contwalk.problems.locus.points.crossing import Crossing, located_by_units
 from contwalk.problems.locus.points.persisting import KIND, NOTE, better, branch_point, persists
 from contwalk.problems.locus.points.point import LocusPoint, born, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
@@ -143,7 +143,7 @@ class ZeroWhereCurvesCross(Crossing):
         """The zero-Hopf point near a sample, or a crossing of neutral saddles."""
         kappa = float(problem.kappa(sample.z))
         found = _where_curves_cross(problem, sample, kappa) if kappa > 0.0 else None
-        return found or super().locate(problem, sample, which)
+        return found or super().locate(problem, sample, which) or located_by_units(problem, sample)
 
     def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a zero-Hopf point; of neutral saddles that of a crossing."""
