@@ -313,6 +313,8 @@ def _kinds(problem: _Closed, signature: Sequence[str] | None) -> list[str]:
 def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 1) -> tuple[str, ...] | None:
     """The symmetries whose image of an orbit a branch passes, none of them first; None if it passes none."""
     period = sample.period / closures
+    # On the steps of a branch orbits are known to their error only, and both are.
+    alike = min(float(np.fmax(SAME, sample.error)), MET)
     for k, (ta, tb) in enumerate(pairwise(branch.points["period"])):
         a, b = branch.unknowns(k), branch.unknowns(k + 1)
         if len(a) != len(b):
@@ -334,9 +336,9 @@ def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 
         if found is None:
             continue
         there, z = found
-        if abs(there.duration(z) - period) > SAME * period:
+        if abs(there.duration(z) - period) > alike * period:
             continue
-        if not np.allclose(_free(there, z), _free(problem, sample.z), rtol=SAME, atol=0.0):
+        if not np.allclose(_free(there, z), _free(problem, sample.z), rtol=alike, atol=0.0):
             continue
         x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
         spatial = [s for s in problem.system.symmetries if s.role == "spatial"]

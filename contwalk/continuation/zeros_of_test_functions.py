@@ -11,7 +11,7 @@ from contwalk.continuation.kinds import kinds_of_test
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate
 from contwalk.continuation.segment import Segment
 from contwalk.errors import NotFinite, PluginError
-from contwalk.problems.problem import PointType, Test
+from contwalk.problems.problem import UNSURE, PointType, Test
 
 # Where a function is looked at on a segment: more than its ends, so that zeros that come in pairs show.
 PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -113,9 +113,14 @@ def _may_pass(segment: Segment, kind: PointType) -> bool:
 def _doubtful(known: dict[float, float]) -> bool:
     """Whether values at some places leave room for a zero between them."""
     values = list(known.values())
-    nothing = not any(values) or not np.any(np.isfinite(values))
-    alike = nothing or all(a * b > 0.0 for a, b in pairwise(values))
+    nothing = all(abs(value) <= UNSURE for value in values) or not np.any(np.isfinite(values))
+    alike = nothing or all(_alike(a, b) for a, b in pairwise(values))
     return not alike or bool(_nearest_to_zero(known, DOUBTFUL))
+
+
+def _alike(a: float, b: float) -> bool:
+    """Whether two values leave no room for a zero between them: of one sign, or both smaller than errors."""
+    return a * b > 0.0 or max(abs(a), abs(b)) <= UNSURE
 
 
 def _nearest_to_zero(known: dict[float, float], near: float = NEAR_ZERO) -> list[float]:

@@ -199,9 +199,13 @@ def cubic_of_torus(map_: SectionMap, theta: float) -> tuple[complex, float]:
 
     Along s (exp(i phi) q + c.c.) the second derivative of the map has B(q,q*) and B(q,q) as its harmonics in
     phi; with the second order of the invariant manifold the third one has what d is made of.
+
+    On other steps than those that an orbit is a torus's on, its multiplier is not on the circle to rounding.
+    Beside a third of a turn h20 is large, and of it d's real part is left only where that is so.
     """
-    a, turn = map_.a, np.exp(1j * theta)
+    turn = np.exp(1j * theta)
     q, p = map_.critical(turn)
+    a = map_.a + 2.0 * ((turn - p @ map_.a @ q) * np.outer(q, p)).real
     one = np.eye(len(q))
     turns = np.arange(4) * np.pi / 4.0  # the same lines for both orders, whose second derivatives are kept
     second = {phi: map_.curve(_turned(q, phi), None, 0.0, 2)[1] for phi in turns}

@@ -43,9 +43,12 @@ def newton_on(
         else:
             right = np.append(here.residual, normal @ (z - guess))
             step = here.bordered(normal, weights).solve(right)
-        size = float(np.linalg.norm(step / weights))
+        with np.errstate(over="ignore", invalid="ignore"):  # of one that diverges
+            size = float(np.linalg.norm(step / weights))
         if here.excess <= 2.0 or size < 1e-13 or (size > 0.5 * before and before < stagnates):
             return z
+        if not np.isfinite(size):
+            break
         z, before = z - step, size
     raise StartError("Newton's method does not converge.", "")
 

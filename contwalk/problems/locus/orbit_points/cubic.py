@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from importlib import import_module
@@ -16,7 +17,7 @@ from contwalk.problems.orbit import normal_forms
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.point_records import VANISHES
-from contwalk.problems.problem import Located, Sample, Seed, Test
+from contwalk.problems.problem import UNSURE, Located, Sample, Seed, Test
 
 FIFTH = "the coefficient of fifth order, which tells the sides, is not computed"
 
@@ -32,14 +33,15 @@ class VanishingCubic(OrbitLocusPoint):
     test, of_place, dear = Test.VALUE, True, True
 
     def value(self, problem: Any, sample: Sample) -> float:
-        """The cubic coefficient; zero where it is no more than errors of the steps, NaN where there is none
-        or rounding hides it.
+        """The cubic coefficient; `UNSURE` where it is no more than errors of the steps, NaN where there is
+        none or rounding hides it.
 
         Of area-preserving maps it is zero all along, and signs of errors tell nothing. Beside strong
-        resonances its terms are large, and their errors with them.
+        resonances its terms are large, and their errors with them, while it may stay what it is.
         """
         found, terms = self._with_terms(problem, sample.z)
-        return 0.0 if abs(found) <= max(VANISHES, known_to(problem)) * max(terms, 1.0) else found
+        hidden = abs(found) <= max(VANISHES, known_to(problem)) * max(terms, 1.0)
+        return math.copysign(UNSURE, found) if hidden else found
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The point of the curve at which it vanishes."""
