@@ -11,7 +11,8 @@ from contwalk.continuation.kinds import kinds_of_test
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate
 from contwalk.continuation.segment import Segment
 from contwalk.errors import NotFinite, PluginError
-from contwalk.problems.problem import UNSURE, PointType, Test
+from contwalk.numerics.bracketing import UNSURE
+from contwalk.problems.problem import PointType, Test
 
 # Where a function is looked at on a segment: more than its ends, so that zeros that come in pairs show.
 PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)

@@ -10,6 +10,10 @@ T = TypeVar("T")
 
 TINY = 1e-300
 
+# What is told of a test function that is smaller than its error: this with its sign. Two such values tell no
+# zero between them, for their product underflows; one of them beside a larger one tells it by its sign.
+UNSURE = 1e-200
+
 
 def narrow(
     value: Callable[[float], float],
@@ -64,7 +68,8 @@ def narrow(
         t = 0.5
         if fb != fc and fa != fc and fb != fa:
             xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
-            if phi**2 < xi and (1 - phi) ** 2 < 1 - xi:
+            # Products, which may be infinite: powers of floats that overflow raise.
+            if phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi:
                 t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
         margin = max(width / abs(b - a), 1e-9) if b != a else 0.5
         t = min(max(t, margin), 1.0 - margin)

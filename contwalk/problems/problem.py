@@ -96,11 +96,6 @@ class Test(Enum):
     END = "the branch ends there"
 
 
-# What is told of a test function that is smaller than its error: this with its sign. Two such values tell no
-# zero between them, for their product underflows; one of them beside a larger one tells it by its sign.
-UNSURE = 1e-200
-
-
 class PointType:
     """A kind of special point; one object serves all problems of a class.
 
@@ -143,10 +138,7 @@ class PointType:
     dear: ClassVar[bool] = False
 
     def value(self, problem: Any, sample: Sample) -> float:
-        """The function that passes zero at such points, where `test` is `Test.VALUE`, or `along`.
-
-        Where it is smaller than its error it is `UNSURE`, with its sign.
-        """
+        """The function that passes zero at such points, where `test` is `Test.VALUE`, or `along`."""
         raise NotImplementedError(f"points {self.label} have no test function of their own")
 
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:

@@ -1,8 +1,8 @@
 """Curves of doublings and tori of orbits that have been doubled before, in a seasonally forced food chain.
 
 Prey and predator with a half saturation that the season moves: Kuznetsov, Muratori, Rinaldi, Int. J.
-Bifurcation and Chaos 2 (1992) 117. Nothing of it is known in closed form, but what two curves have in common must agree,
-multipliers at resonances are roots of one, and a curve is found once.
+Bifurcation and Chaos 2 (1992) 117. Nothing of it is known in closed form, but what two curves have in common
+must agree, multipliers at resonances are roots of one, and a curve is found once.
 """
 
 from __future__ import annotations

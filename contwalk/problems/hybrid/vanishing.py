@@ -119,7 +119,7 @@ def _where(problem: LimitedOrbit, a: Sample, b: Sample, size: Size) -> str:
 
 def _told(problem: LimitedOrbit, value: float, error: float) -> str:
     value = 0.0 if abs(value) <= error else value
-    return f"{problem.free} = {value:.10g} +- {error:.1e}"
+    return problem.line.described(value, error)
 
 
 def _noise(problem: LimitedOrbit, a: Sample, b: Sample) -> float:

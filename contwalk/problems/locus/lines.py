@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from contwalk.problems.parameter_line import Ends, ParameterLine
+from contwalk.problems.parameter_line import Ends, ParameterLine, in_words
 
 
 @dataclass(frozen=True)
@@ -39,10 +39,11 @@ class LineInPlane(ParameterLine):
         known = dict(self.rates)
         return np.array([known.get(name, 0.0) for name in self.parameters])
 
-    def described(self, coordinate: float) -> str:
-        """A place on the line in words: the values of both parameters there."""
+    def described(self, coordinate: float, error: float | None = None) -> str:
+        """A place on the line in words: the values of both parameters there, with their errors."""
         values = self.at(coordinate)
-        return ", ".join(f"{name} = {values[name]:.10g}" for name, _ in self.rates)
+        errors = {name: None if error is None else abs(rate) * error for name, rate in self.rates}
+        return ", ".join(in_words(name, values[name], errors[name]) for name, _ in self.rates)
 
     @cached_property
     def moving(self) -> tuple[int, ...]:

@@ -30,9 +30,9 @@ def not_conserved(orbit: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     return Outcome(
         "failed",
         "no_convergence",
-        f"Beyond {orbit.free} = {a.z[-1]:.10g}, '{name}' is not conserved: holding it at its value takes a "
-        "force, and what closes with that is no periodic orbit of the machine. Correct its function in the "
-        "plugin, or the equations, or remove it from conserved=(...).",
+        f"Beyond {orbit.line.described(float(a.z[-1]))}, '{name}' is not conserved: holding it at its value "
+        "takes a force, and what closes with that is no periodic orbit of the machine. Correct its function "
+        "in the plugin, or the equations, or remove it from conserved=(...).",
     )
 
 

@@ -31,9 +31,9 @@ def held(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
     return Outcome(
         "failed",
         "no_convergence",
-        f"Beyond {problem.free} = {a.z[-1]:.10g}, holding the undeclared neutral direction takes a force: "
-        "the motion does not come back but drifts along it with every period, and is no periodic orbit. "
-        "Declare the direction with neutral=(Neutral(...),) to follow orbits that drift along it.",
+        f"Beyond {problem.line.described(float(a.z[-1]))}, holding the undeclared neutral direction takes a "
+        "force: the motion does not come back but drifts along it with every period, and is no periodic "
+        "orbit. Declare the direction with neutral=(Neutral(...),) to follow orbits that drift along it.",
     )
 
 
@@ -68,9 +68,9 @@ def unborn(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
     return Outcome(
         "failed",
         "step_too_small",
-        f"The cycle that is born at {problem.free} = {a.z[-1]:.10g} cannot be followed away from its Hopf "
-        "point: what the steps there find is rounding. Give the states a `scale` in the plugin, or start on "
-        "the cycle itself with start: {simulate: ...}.",
+        f"The cycle that is born at {problem.line.described(float(a.z[-1]))} cannot be followed away from "
+        "its Hopf point: what the steps there find is rounding. Give the states a `scale` in the plugin, or "
+        "start on the cycle itself with start: {simulate: ...}.",
     )
 
 

@@ -23,7 +23,7 @@ def at_a_point(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     share = before**2 / (before**2 - after**2) if abs(before + after) > 1e-3 * before else 0.5
     value = float(a.z[-1] + share * (b.z[-1] - a.z[-1]))
     return shrunk(
-        f"The orbit shrinks onto an equilibrium, at a Hopf point near {problem.free} = {value:.6g}: "
+        f"The orbit shrinks onto an equilibrium, at a Hopf point near {problem.line.described(value)}: "
         "the family ends there. Nothing to do."
     )
 

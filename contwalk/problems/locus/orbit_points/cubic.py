@@ -12,12 +12,13 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
+from contwalk.numerics.bracketing import UNSURE
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, known_to, where_zero
 from contwalk.problems.orbit import normal_forms
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.point_records import VANISHES
-from contwalk.problems.problem import UNSURE, Located, Sample, Seed, Test
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 FIFTH = "the coefficient of fifth order, which tells the sides, is not computed"
 
