@@ -30,7 +30,7 @@ MEANINGS = {
     SURVIVED: "the motion survives",
     FALLEN: "the machine falls",
     ENDED: "the motion ends: its field or a guard has no value, or steps become too small",
-    ACCUMULATED: "infinitely many events happen in a finite time",
+    ACCUMULATED: "infinitely many events happen in a finite time, or far more than on the solution",
     LEFT: "the events at the end are not those of the solution in their order",
     AWAY: "the motion is not back at the solution",
     BEYOND: "the push carries a guard past zero: the machine cannot be there",
@@ -40,6 +40,10 @@ CHATTER = "chatter"  # what a motion says of itself whose events accumulate
 
 # In so many periods at the end the events must once have been those of the solution.
 LAPS = 2
+
+# So many times more hard events within a period than on the solution are chatter: where a model leaves open
+# what comes after, such a motion would take as long as all others together.
+MANY = 1000
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,8 @@ class Survival:
                 for name, time in motion.events(begin, begin.time + duration):
                     if name in self._hard:
                         events.append((name, time))
+                        if self._chatters(events):
+                            return ACCUMULATED, events
         except (ContwalkError, ArithmeticError):
             return ENDED, events
         if motion.status == self._falling:
@@ -123,6 +129,11 @@ class Survival:
         if motion.status != TIME_UP:
             return ACCUMULATED if motion.status == CHATTER else ENDED, events
         return SURVIVED, events
+
+    def _chatters(self, events: Sequence[tuple[str, float]]) -> bool:
+        """Whether `MANY` times the events of a period happen within one; equilibria have none."""
+        most = MANY * max(sum(len(group) for group in self.solution.cycle), 1)
+        return len(events) > most and events[-1][1] - events[-1 - most][1] < self.solution.period
 
     def _keeps(self, events: Sequence[tuple[str, float]], end: float) -> bool:
         """Whether the events of the solution happen in their order once in the last periods."""
