@@ -13,6 +13,7 @@ import click
 from contwalk.cli.collector import hold_collector
 from contwalk.cli.lazy_group import LazyGroup
 from contwalk.errors import ContwalkError
+from contwalk.workflow.process_end import refuse_exit
 
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT)
 INTERRUPTED, TERMINATED = 130, 143  # 128 + SIGINT, 128 + SIGTERM, as shells count
@@ -58,6 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     has set anything, others need not be made at all.
     """
     hold_collector()
+    refuse_exit()
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     sys.exit(run(arguments))

@@ -7,7 +7,6 @@ them, so that what is made of them is the same to the last bit. What is shared g
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
 from collections import deque
@@ -22,6 +21,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from contwalk.errors import ContwalkError
 from contwalk.workflow.interruptions import deaf
+from contwalk.workflow.process_end import end_process, refuse_exit
 
 Shared = TypeVar("Shared")
 Task = TypeVar("Task")
@@ -159,6 +159,7 @@ _FUNCTION: list[Callable[[Any], Any]] = []
 def _prepare(function: Callable[[Any, Any], Any], shared: Any) -> None:
     """A worker keeps what its tasks share, leaves Ctrl-C to the process that it works for, ends with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    refuse_exit()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     _FUNCTION[:] = [partial(function, shared)]
 
@@ -168,7 +169,7 @@ def _end_with_parent() -> None:
     parent = parent_process()
     if parent is not None:
         parent.join()
-        os._exit(1)
+        end_process(1)
 
 
 def _run(task: Any) -> Any:

@@ -18,6 +18,7 @@ from typing import BinaryIO
 
 from contwalk.continuation.ahead import Task
 from contwalk.numerics.threads import one_thread
+from contwalk.workflow.process_end import end_process, refuse_exit
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk
 from contwalk.workflow.study_text import StudyText
 from contwalk.workflow.walking_ahead import Walker
@@ -41,7 +42,7 @@ class Requests:
             try:
                 request = pickle.load(self._stream)
             except EOFError:
-                os._exit(0)
+                end_process(0)
             if isinstance(request, Drop):
                 self.dropped.add(request.task)
             else:
@@ -51,6 +52,7 @@ class Requests:
 def main() -> None:
     """Answer requests until there are no more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever asks is told of it
+    refuse_exit()
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     requests = Requests(sys.stdin.buffer)

@@ -204,13 +204,13 @@ def test_it_is_said_that_a_process_has_ended_and_where_its_branch_is_walked(stud
 
 
 ENDING = """
-import os
+import ctypes
 import sys
 
 
 def seen(t, x, p):
     if "worker" in sys.argv[0] and p.a > 0.4:
-        os._exit(0)
+        ctypes.CDLL(None)._exit(0)
     return p.a
 """
 

@@ -368,16 +368,16 @@ def _single(matrix: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
     conditions.
     """
     values, right = np.linalg.eig(matrix)
-    values = values.astype(complex)
     try:
         left = np.linalg.inv(right)
-        condition = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
+        with np.errstate(over="ignore"):  # eigenvectors that are one but for the least numbers there are
+            condition = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
     except np.linalg.LinAlgError:
         condition = np.full(len(values), np.inf)
     # Errors of the last steps are relative to the motion, however much has decayed before.
     size = max(size, 1.0)
     # Where eigenvalues meet, first-order conditions are infinite; the root of the noise bounds them.
-    return values, np.minimum(condition * ROUNDING * size, size * np.sqrt(ROUNDING))
+    return values.astype(complex), np.minimum(condition * ROUNDING * size, size * np.sqrt(ROUNDING))
 
 
 def _product(

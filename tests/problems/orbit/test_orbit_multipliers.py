@@ -173,3 +173,10 @@ def test_what_steps_leak_into_the_flow_is_told_and_costs_no_second_set_of_eigenv
     np.testing.assert_allclose(np.abs(found.values), exact, rtol=1e-9)
     leak = np.abs(exact - moduli([factor @ flow for factor, flow in zip(factors, flows, strict=True)]))
     assert found.accuracy == pytest.approx(leak[0], rel=1e-6)
+
+
+def test_a_double_multiplier_of_zero_is_no_warning():
+    """Its eigenvectors are one but for the least number there is, and their condition is infinite."""
+    found = multipliers([np.array([[0.0, 1.0], [0.0, 0.0]])], [np.zeros((2, 0))], np.ones(2), 1e-10)
+    np.testing.assert_array_equal(found.values, 0.0)
+    assert np.isfinite(found.errors).all()
