@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from loci_of_orbits import labels, map_plugin, studied
+from loci_of_orbits import assert_at, labels, map_plugin, studied
 
 pytestmark = pytest.mark.slow
 
@@ -32,6 +32,10 @@ def test_branch_points_and_not_folds_begin_where_both_multipliers_are_one(tmp_pa
     assert (
         abs(crossings["be"] - crossings["d"] + 1.0).max() < 1e-8
     )  # rows are known to a hundred times the accuracy
+    # On both curves that pass there, and the doublings be = -1 - d where they cross.
+    assert labels(crossings) == ["LPPD", "R1"]
+    assert_at(crossings, "R1", [(2.0, 1.0)])
+    assert_at(tori, "R1", [(2.0, 1.0)])
 
 
 def test_what_begins_at_a_resonance_is_looked_for_with_conditions_made_there(tmp_path) -> None:

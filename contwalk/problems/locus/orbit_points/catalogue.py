@@ -5,6 +5,7 @@ from __future__ import annotations
 from contwalk.problems.locus.orbit_points.cubic import Chenciner, GeneralizedDoubling
 from contwalk.problems.locus.orbit_points.cusp import CuspOfCycles
 from contwalk.problems.locus.orbit_points.degenerate_grazing import DegenerateGrazing
+from contwalk.problems.locus.orbit_points.halves import R2OfHalves, TwoOfHalves
 from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
 from contwalk.problems.locus.orbit_points.marked_value import CountChange, Crossing, EndPoint, MarkedValue
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
@@ -17,7 +18,11 @@ from contwalk.problems.locus.orbit_points.resonances import (
     R2OnTori,
 )
 from contwalk.problems.locus.orbit_points.two_at_once import ResonantGrazing, TwoAtOnce
-from contwalk.problems.locus.orbit_points.where_branches_cross import OnBranchPoints, WhereBranchesCross
+from contwalk.problems.locus.orbit_points.where_branches_cross import (
+    OnBranchPoints,
+    R1OnBranchPoints,
+    WhereBranchesCross,
+)
 
 _MARKS = (MarkedValue(), EndPoint())
 _OF_ALL = (Crossing(), *_MARKS)
@@ -70,6 +75,10 @@ POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
     "BP": (
         OnBranchPoints("LPPD", "PD"),
         OnBranchPoints("LPNS", "NS"),
+        R1OnBranchPoints(),
+        TwoOfHalves("LPPD", "LP"),
+        TwoOfHalves("PDNS", "NS"),
+        R2OfHalves(),
         CountChange(),
         *LIMITS_ON["BP"].values(),
         *_OF_ALL,

@@ -14,7 +14,7 @@ from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_curves import CURVES, Limits
 from contwalk.problems.locus.orbit_places import OrbitPlane
-from contwalk.problems.locus.valued_curves import BranchPoints
+from contwalk.problems.locus.valued_curves import BranchPoints, SymmetryBreakings
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.problem import Seed
 
@@ -27,9 +27,17 @@ DIFFERENCE = 1e-4
 
 
 def born(problem: Any, point: SpecialPoint, label: str, cosine: float | None = None) -> list[Seed]:
-    """The curve of folds, doublings or tori through a point; of tori with (mu + 1/mu) / 2 there."""
+    """The curve of folds, doublings or tori through a point; of tori with (mu + 1/mu) / 2 there.
+
+    Half a symmetric orbit is not doubled: there the whole loses the symmetry.
+    """
     further = np.zeros(0) if cosine is None else np.array([cosine])
-    return _begun(problem, point, lambda there, near: (CURVES[label], further))
+
+    def curve(there: Any, near: At) -> tuple[OrbitCurve, np.ndarray]:
+        half = label == "PD" and there.rounds > 1
+        return SymmetryBreakings() if half else CURVES[label], further
+
+    return _begun(problem, point, curve)
 
 
 def ones_born(problem: Any, point: SpecialPoint) -> list[Seed]:

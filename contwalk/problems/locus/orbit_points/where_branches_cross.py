@@ -19,7 +19,7 @@ from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.marked_value import Crossing
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, known_to, together
-from contwalk.problems.locus.orbit_points.switching import both_born, crossing_born, second_cosine
+from contwalk.problems.locus.orbit_points.switching import born, both_born, crossing_born, second_cosine
 from contwalk.problems.locus.orbit_points.two_at_once import BRANCH_POINT, TwoAtOnce
 from contwalk.problems.locus.persistence import unfolds
 from contwalk.problems.locus.valued_curves import BranchPoints, steepest_crossing
@@ -114,3 +114,36 @@ class OnBranchPoints(TwoAtOnce):
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The kind: the multiplier one is no fold's."""
         return BRANCH_POINT, {}, NOTE
+
+
+class R1OnBranchPoints(OnBranchPoints):
+    """On a curve of branch points that persist a second multiplier is one, where tori come to it."""
+
+    def __init__(self) -> None:
+        super().__init__("R1", "NS")
+        self.changes = (-1, 1)  # type: ignore[misc]
+
+    def tells(self, problem: Any, sample: Sample, which: int) -> bool:
+        """A real positive multiplier."""
+        value = sample.eigenvalues[which]
+        return isinstance(problem.curve, BranchPoints) and value.imag == 0.0 and value.real > 0.0
+
+    def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
+        """The curve's equations, and a pair of multipliers whose product is one, as on curves of tori."""
+        return self.both(problem, sample)
+
+    def critical(self, point: SpecialPoint, sample: Sample) -> complex:
+        """One."""
+        return complex(1.0)
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of tori, and of the neutral saddles that they become."""
+        return born(problem, point, "NS", 1.0)
+
+    def has(self, point: SpecialPoint) -> bool:
+        """Such a point."""
+        return point.label == self.label
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The coefficients."""
+        return OrbitLocusPoint.form(self, problem, located, sample)
