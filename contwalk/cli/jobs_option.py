@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from typing import Any
 
 import click
+
+from contwalk.workflow.machine import processors
 
 MOST = 1024
 
@@ -27,13 +28,6 @@ class Jobs(click.ParamType):
         if not 1 <= number <= MOST:
             self.fail(f"{value!r} is no number of jobs. Allowed: 1 to {MOST}, or auto.", param, ctx)
         return number
-
-
-def processors() -> int:
-    """How many processors this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def jobs_option(text: str, default: int | None) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

@@ -1,4 +1,4 @@
-"""What a result was made on, in one line."""
+"""What a result was made on, in one line, and how many processors there are."""
 
 from __future__ import annotations
 
@@ -22,3 +22,10 @@ def name_of_machine() -> str:
     return (
         "-".join([own.sysname, own.release, own.machine, "with", library]) if library else platform.platform()
     )
+
+
+def processors() -> int:
+    """How many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

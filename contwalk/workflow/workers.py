@@ -19,6 +19,7 @@ from typing import Any
 from contwalk.branch import Outcome
 from contwalk.continuation.ahead import Ends, Message, Task
 from contwalk.workflow.interruptions import deaf
+from contwalk.workflow.machine import processors
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk
 from contwalk.workflow.walking_ahead import StudyText, Walker, failed_elsewhere
 
@@ -54,10 +55,11 @@ class _Feed:
 
 
 class _Process:
-    """One process, and the branch that it walks."""
+    """One process, the branch that it walks, and whether it has told anything yet."""
 
     def __init__(self, pool: Workers) -> None:
         self.task: Task | None = None
+        self.has_answered = False
         self._pool = pool
         threads = {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "MKL", "OMP")}
         paths = {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
@@ -211,8 +213,10 @@ class Workers:
             task = process.task
             if task is not None and task in self._feeds:
                 self._feeds[task].answers.put(answer)
+            begins, process.has_answered = not process.has_answered, True
             if not isinstance(answer, Reported):
                 process.task = None
+            if begins or process.task is None:
                 self._give_out()
 
     def ended(self, process: _Process) -> None:
@@ -235,11 +239,16 @@ class Workers:
             self._give_out()
 
     def _give_out(self) -> None:
-        """Branches that wait to processes that do nothing, the first ones first."""
+        """Branches that wait to processes that do nothing, the first ones first.
+
+        Where as many processes begin as there are processors another one would only take their time: by when
+        they are there, those that are may have done all there is to do.
+        """
         while self._begun and self._waiting and not self._closed:
             free = next((process for process in self._processes if process.task is None), None)
             if free is None:
-                if len(self._processes) >= self._count:
+                beginning = sum(not process.has_answered for process in self._processes)
+                if len(self._processes) >= self._count or beginning >= processors():
                     return
                 free = _Process(self)
                 self._processes.append(free)

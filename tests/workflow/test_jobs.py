@@ -232,6 +232,21 @@ def test_a_plugin_that_ends_its_processes_is_told_and_the_run_fails(study, capsy
         assert {branch.outcome.reason for branch in failed} == {"plugin_error"}
 
 
+def test_no_more_processes_begin_than_there_are_processors(study, monkeypatch):
+    alone, begun = computed(study, "1.h5"), []
+
+    class Counted(workers._Process):
+        def __init__(self, pool):
+            begun.append(sum(not process.has_answered for process in pool._processes))
+            super().__init__(pool)
+
+    monkeypatch.setattr(workers, "_Process", Counted)
+    monkeypatch.setattr(workers, "processors", lambda: 1)
+    assert_identical(alone, computed(study, "2.h5", jobs=1000))
+    assert begun
+    assert set(begun) == {0}
+
+
 def test_a_run_goes_on_though_a_process_is_killed(study, monkeypatch):
     alone = computed(study, "1.h5")
     made: list[Workers] = []
