@@ -63,7 +63,7 @@ class _Closed(_Comparable, Protocol):
         """The state at the start, shape (n,)."""
         ...
 
-    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
+    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray], error: float = 0.0) -> int | None:
         """Number of the first of some states that the orbit of z passes; None if it passes none."""
         ...
 
@@ -342,7 +342,7 @@ def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 
             continue
         x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
         spatial = [s for s in problem.system.symmetries if s.role == "spatial"]
-        passed = there.first_passed(z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]])
+        passed = there.first_passed(z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]], alike)
         if passed is not None:
             return (spatial[passed - 1].name,) if passed else ()
     return None

@@ -30,6 +30,8 @@ from contwalk.problems.problem import Seed
 # How far along the curve of Hopf points the first cycle is looked for, in the metric; the first that is found
 # counts. Nearer its fold is lost in that of the point itself.
 ASIDE = (1e-2, 3e-3, 3e-2, 1e-3, 1e-1, 3e-4)
+# Folds beside a point that lies so near to another one, as to a zero-Hopf point, that l2 is another there.
+NEARER = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
 # Of the amplitude that is expected, what is found is no cycle below this part, and another one above that.
 SMALLER, LARGER = 0.8, 1.25
 # At double and zero-Hopf points: the amplitude of the first of two cycles, over the root of how far aside,
@@ -47,7 +49,8 @@ def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         If none is found: there is one wherever l2 is not zero.
     """
     z, l2 = np.array(point.unknowns), float(point.coefficients["l2"])
-    found = _found_beside(problem, z, lambda beside, _: _fold(problem, beside, l2, z[-2:]))
+    lengths = (*ASIDE, *NEARER)
+    found = _found_beside(problem, z, lambda beside, _: _fold(problem, beside, l2, z[-2:]), lengths)
     if not found:
         raise StartError(
             "No fold of the cycles that begin beside this point was found.",
@@ -57,11 +60,14 @@ def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
 
 
 def _found_beside(
-    problem: Any, z: np.ndarray, born: Callable[[np.ndarray, float], Seed | None]
+    problem: Any,
+    z: np.ndarray,
+    born: Callable[[np.ndarray, float], Seed | None],
+    lengths: Sequence[float] = ASIDE,
 ) -> Sequence[Seed]:
     """As `born_beside`, of a curve of Hopf points."""
     there = problem.at(z)
-    return born_beside(there, z, _sizes(there, z), ASIDE, born)
+    return born_beside(there, z, _sizes(there, z), lengths, born)
 
 
 def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | None:

@@ -108,13 +108,13 @@ class CurveOfOrbits:
         found: np.ndarray = there.first_state(own)
         return found
 
-    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
+    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray], error: float = 0.0) -> int | None:
         """Number of the first of some states that the orbit of z passes; None if it passes none.
 
-        z has the shape (N + k + 2,), each point (n,).
+        z has the shape (N + k + 2,), each point (n,). `error` is that of the points, against their size.
         """
         there, own = self.plane.first(z)
-        found: int | None = there.first_passed(own, points)
+        found: int | None = there.first_passed(own, points, error)
         return found
 
     def same(self, a: Sample, b: Sample) -> bool:

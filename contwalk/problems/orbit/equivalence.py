@@ -35,28 +35,40 @@ def same(orbit: DiscretizedOrbit, a: Sample, b: Sample) -> bool:
     return bool(np.linalg.norm((there - known) / weights) < 30.0 * ALIKE)
 
 
-def first_passed(orbit: DiscretizedOrbit, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
+def first_passed(
+    orbit: DiscretizedOrbit, z: np.ndarray, points: Sequence[np.ndarray], error: float = 0.0
+) -> int | None:
     """Number of the first of some states at which a leg of the orbit of z starts; which it passes, if it
     begins anywhere. None if there is none.
 
-    z has the shape (N + 1,), each point (n,).
+    z has the shape (N + 1,), each point (n,). `error` is that of the points, against their size: a small
+    cycle far from zero is known to less of its own range.
     """
     periods = np.array([s.period or 0.0 for s in orbit.system.states])
+    near = [_alike(x / orbit.mesh.variation, error) for x in points]
     if not orbit.itinerary.eventful:
-        passed = _first_on_the_way(orbit, z, points, periods)
+        passed = _first_on_the_way(orbit, z, points, near)
         if passed is not None or not orbit.pins:
             return passed
-    return next((k for k, x in enumerate(points) if _starts_a_leg(orbit, z, x, periods)), None)
+    each = zip(points, near, strict=True)
+    return next((k for k, (x, most) in enumerate(each) if _starts_a_leg(orbit, z, x, periods, most)), None)
+
+
+def _alike(in_ranges: np.ndarray, error: float) -> float:
+    """How near a state that is one comes, both in units of the orbit's range, shape (n,)."""
+    return min(max(30.0 * ALIKE, error * float(np.linalg.norm(in_ranges))), PERHAPS)
 
 
 def _first_on_the_way(
-    orbit: DiscretizedOrbit, z: np.ndarray, points: Sequence[np.ndarray], periods: np.ndarray
+    orbit: DiscretizedOrbit, z: np.ndarray, points: Sequence[np.ndarray], near: Sequence[float]
 ) -> int | None:
+    """As `first_passed`: the number of the first state that the motion passes within what is `near`."""
+    periods = np.array([s.period or 0.0 for s in orbit.system.states])
     stretches = orbit.stretches(z)
     for number in SEEN_FROM:
         whole = np.concatenate([_closely(stretch, number) for stretch in stretches])
         apart = [distance(whole, x, periods, orbit.mesh.variation) for x in points]
-        passed = next((k for k, away in enumerate(apart) if away < 30.0 * ALIKE), None)
+        passed = next((k for k, away in enumerate(apart) if away < near[k]), None)
         if passed is not None or min(apart, default=np.inf) > PERHAPS:
             return passed
     return None
@@ -69,7 +81,9 @@ def _closely(stretch: Stretch, number: int) -> np.ndarray:
     return stretch.seen(view.start + view.duration * times, view.full(states))
 
 
-def _starts_a_leg(orbit: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, periods: np.ndarray) -> bool:
+def _starts_a_leg(
+    orbit: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, periods: np.ndarray, near: float
+) -> bool:
     """Whether a leg of the orbit of z starts at a state, up to neutral directions."""
     for place, passage in zip(orbit.layout.states, orbit.passages, strict=True):
         start = passage.full(z[place])
@@ -77,6 +91,6 @@ def _starts_a_leg(orbit: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, periods
         apart = apart - whole_turns(apart, periods)
         along = neutrals.directions(orbit.system, orbit.pins, start, orbit.values_of(z))
         apart = neutrals.across(apart, along, orbit.mesh.variation)
-        if float(np.linalg.norm(apart / orbit.mesh.variation)) < 30.0 * ALIKE:
+        if float(np.linalg.norm(apart / orbit.mesh.variation)) < near:
             return True
     return False
