@@ -61,7 +61,7 @@ def test_the_curves_of_hopf_points_cross_where_they_do(curves):
     (point,) = told
     assert abs(point.parameters["K"] - CAPACITY) <= point.errors["K"] + 1e-15
     assert abs(point.parameters["r"] - GROWTH) <= point.errors["r"] + 1e-15
-    (other,) = [b for b in curves[0] if b.info.parent is not None and b.info.parent[1] == "ZH1"]
+    (other,) = [b for b in curves[0] if b.info.settings["of"] == "HB" and point not in b.special_points]
     np.testing.assert_allclose(other.points["free"][:, 0], CAPACITY, rtol=1e-12)
 
 
