@@ -40,7 +40,7 @@ class Crossing(LocusPoint):
 
     def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
         """Of the two tangents there that of the curve that `near` is on, shape (N + 1,)."""
-        found = _Singular(problem, located.z, near.weights).directions()
+        found = _most_singular(problem, located.z, near.weights).directions()
         if not found:
             return near.tangent
         products = [float((t / near.weights) @ (near.tangent / near.weights)) for t in found]
@@ -53,7 +53,7 @@ class Crossing(LocusPoint):
         there = problem.at(z)
         magnitudes = there.linearize(z).magnitudes
         weights = np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
-        found = _Singular(there, z, weights).directions()
+        found = _most_singular(there, z, weights).directions()
         if len(found) < 2:
             return ()
         parent = np.array(point.tangent) / weights
@@ -68,6 +68,16 @@ def located_by_units(problem: Any, sample: Sample) -> Located | None:
     By its rounding it would count more than all others just beside such a place.
     """
     return _Singular(problem, sample.z, sample.weights, sample.weights[:-1]).located(sample.z)
+
+
+def _most_singular(problem: Any, z: np.ndarray, weights: np.ndarray) -> _Singular:
+    """The equations at a crossing, by their rounding or by their units: as it is one by.
+
+    z and the weights have the shape (M + 1,). An equation whose terms all but vanish there has next to no
+    rounding, and by it hides that the others are singular.
+    """
+    each = (_Singular(problem, z, weights), _Singular(problem, z, weights, weights[:-1]))
+    return min(each, key=lambda singular: singular.missed)
 
 
 @dataclass(frozen=True)
@@ -144,6 +154,14 @@ class _Singular:
         scale = np.append(self.weights, max(unfolding, 1e-300))
         system = DefiningSystem(scale, residual, jacobian, exactly)
         return solve(system, np.append(start, 0.0), described, unfolds=True)
+
+    @property
+    def missed(self) -> float:
+        """How far the equations are from being singular; infinite where that cannot be told."""
+        try:
+            return float(np.linalg.norm(self._deficient(self.z).values))
+        except np.linalg.LinAlgError:
+            return float("inf")
 
     def directions(self) -> list[np.ndarray]:
         """Tangents of the two curves through the crossing, shape (M + 1,), units in the metric; or none."""
