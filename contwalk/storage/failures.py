@@ -240,9 +240,16 @@ def check_file(path: Path) -> None:
     if not missing and not path.is_file():
         raise DatabaseError(f"{path} is not a regular file.", "Name the file of a run, such as run.h5.")
     if missing:
-        near = sorted(other.name for other in path.parent.glob("*.h5")) if path.parent.is_dir() else []
-        known = f"In its directory are: {', '.join(near)}." if near else "Its directory holds no .h5 file."
-        raise DatabaseError(f"{path} does not exist.", f"Name the file of a run. {known}")
+        raise DatabaseError(f"{path} does not exist.", f"Name the file of a run. {_files_near(path)}")
+
+
+def _files_near(path: Path) -> str:
+    """What may have been meant: runs write to the current directory, names in run files begin at the file."""
+    namesake = Path(path.name)
+    if namesake.is_file():
+        return f"One of this name is in the current directory: {namesake.absolute()}."
+    near = sorted(other.name for other in path.parent.glob("*.h5")) if path.parent.is_dir() else []
+    return f"In its directory are: {', '.join(near)}." if near else "Its directory holds no .h5 file."
 
 
 def not_contwalk(path: Path, what: str, form: str = "") -> DatabaseError:

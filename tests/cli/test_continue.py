@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import shutil
 
 import numpy as np
 import pytest
@@ -49,6 +50,25 @@ def test_set_and_output(contwalk, folder):
     assert not (folder / "fork.h5").exists()
     with open_database(folder / "other.h5") as db:
         assert db.branch("b1").info.parameters["a"] == 2.5
+
+
+@pytest.mark.parametrize("output", [".", "..", "/"])
+@pytest.mark.parametrize("command", ["continue", "simulate", "tradeoff"])
+def test_an_output_that_is_no_name_of_a_file(contwalk, command, output):
+    done = contwalk(command, "run.yaml", "--output", output)
+    assert done.code == 2
+    assert f"error: {output} is a directory. Name a file in it, such as run.h5." in done.err
+
+
+def test_a_database_that_is_in_the_current_directory_is_told(contwalk, folder):
+    """Runs write to the current directory; names in run files are relative to the file."""
+    (folder / "runs").mkdir()
+    for name in ("run.yaml", "fork.py"):
+        shutil.copy(folder / name, folder / "runs")
+    assert contwalk("continue", "runs/run.yaml", "--quiet").code == 0
+    done = contwalk("continue", "runs/run.yaml", "--set", "start={from: fork.h5, point: b1/0}")
+    assert done.code == 2
+    assert f"One of this name is in the current directory: {folder / 'fork.h5'}." in done.err
 
 
 def test_output_that_exists(contwalk, folder):

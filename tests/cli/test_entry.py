@@ -206,11 +206,11 @@ def test_a_reader_that_stops_reading_is_no_error_of_a_plugin(tmp_path):
 
 def test_the_collector_runs_as_usual_after_loading():
     code = (
-        "import gc; usual = gc.get_threshold()\n"
+        "import gc; usual = gc.get_threshold(); own = gc.get_freeze_count()  # Python 3.12 begins with some\n"
         "from contwalk.cli.collector import hold_collector, loaded\n"
-        "loaded(); assert gc.get_freeze_count() == 0, 'nothing was held'\n"
+        "loaded(); assert gc.get_freeze_count() == own, 'nothing was held'\n"
         "hold_collector(); assert gc.get_threshold()[0] > usual[0]\n"
-        "loaded(); assert gc.get_threshold() == usual and gc.isenabled() and gc.get_freeze_count() > 0\n"
+        "loaded(); assert gc.get_threshold() == usual and gc.isenabled() and gc.get_freeze_count() > own\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -84,6 +84,7 @@ class Survival:
         self._hard = {t.name for t in self.system.transitions if t.role == "hard"}
         control = Control(self.rule.tolerance, self.solution.magnitudes, self.rule.method, watched=False)
         self._motion = MotionEvents(self.machine, control, {self._falling})
+        self._most = MANY * max(sum(len(group) for group in self.solution.cycle), 1)
 
     def verdict(self, instant: Instant, push: np.ndarray) -> str:
         """How a motion ends that sets out from an instant with a push, shape (n,), added to its state."""
@@ -132,7 +133,7 @@ class Survival:
 
     def _chatters(self, events: Sequence[tuple[str, float]]) -> bool:
         """Whether `MANY` times the events of a period happen within one; equilibria have none."""
-        most = MANY * max(sum(len(group) for group in self.solution.cycle), 1)
+        most = self._most
         return len(events) > most and events[-1][1] - events[-1 - most][1] < self.solution.period
 
     def _keeps(self, events: Sequence[tuple[str, float]], end: float) -> bool:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from contwalk.errors import RunFileError
 from contwalk.system import System
+from contwalk.workflow.file_names import output_of
 from contwalk.workflow.run_file.checked_file import CheckedFile
 from contwalk.workflow.run_file.document import Document, Key
 from contwalk.workflow.run_file.motions import Margins
@@ -108,7 +109,7 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
         parameters=dict(model.parameters),
         database=Path(path).parent / wanted.of.from_,
         margins=wanted,
-        output=Path(output or model.output or f"{Path(path).stem}.h5"),
+        output=output_of(path, output, model.output),
         document=problems.document,
     )
 

@@ -18,6 +18,7 @@ from contwalk.plugin_check.at_load import load_system
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import System
 from contwalk.system.loading import is_path, load_declaration
+from contwalk.workflow.file_names import output_of
 from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.figures import FigureSpec, figures_of
 from contwalk.workflow.run_file.kept_form import form_of
@@ -295,7 +296,7 @@ def _output(
     problems: Problems, model: RunModel, path: Path, output: str | None, starts: tuple[StartSpec, ...]
 ) -> Path:
     """The database to write: relative to the current directory, never a file that the run reads."""
-    result = Path(output or model.output or f"{path.stem}.h5")
+    result = output_of(path, output, model.output)
     read = [(path, "the run file itself")]
     if is_path(model.system):
         read.append((path.parent / model.system, "the plugin"))

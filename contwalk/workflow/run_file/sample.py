@@ -9,6 +9,7 @@ from pathlib import Path
 
 from contwalk.errors import RunFileError, StartError
 from contwalk.system import System
+from contwalk.workflow.file_names import output_of
 from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.figures import FigureSpec, figures_of
 from contwalk.workflow.run_file.motion_file import MotionFile
@@ -78,7 +79,7 @@ def read_sampling_text(
         system=system,
         start=start,
         sampling=model.sample,
-        output=Path(output or model.output or f"{Path(path).stem}.h5"),
+        output=output_of(path, output, model.output),
         figures=figures or (FigureSpec("histogram"),),
     )
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from contwalk.system import System
+from contwalk.workflow.file_names import output_of
 from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.figures import FigureSpec, figures_of
@@ -78,7 +79,7 @@ def read_simulation(
         perturbation=perturbation,
         simulation=simulation,
         report_at=place,
-        output=Path(output or model.output or f"{Path(path).stem}.h5"),
+        output=output_of(path, output, model.output),
         figures=figures,
     )
 
