@@ -146,8 +146,20 @@ def _comparable(problem: _Comparable, branch: Branch) -> bool:
 
 
 def _of_the_same(stored: Mapping[str, Any], own: Mapping[str, Any]) -> bool:
-    """Whether two curves are of special points of one kind, and of the same marked value."""
-    return all(stored.get(name) == own.get(name) for name in ("of", "of_problem", "limit", "curve"))
+    """Whether two curves are of special points of one kind, of the same limit or marked value."""
+    same = all(stored.get(name) == own.get(name) for name in ("of", "of_problem", "curve"))
+    return same and _limit(stored) == _limit(own)
+
+
+def _limit(settings: Mapping[str, Any]) -> Any:
+    """The limit that a curve holds, with its leg by what follows it: orbits may begin with another one, and
+    of one that was doubled either half may be where it is.
+    """
+    limit, legs = settings.get("limit"), settings.get("legs")
+    if not limit or not legs or limit.get("leg") is None:
+        return limit
+    leg = int(limit["leg"])
+    return {**limit, "leg": [list(each) for each in (*legs[leg:], *legs[:leg])]}
 
 
 def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bool:
@@ -391,10 +403,14 @@ def _at_level(
 
 
 def _stored_like(problem: _Closed, branch: Branch, guess: np.ndarray) -> _Closed:
-    """The problem whose unknowns a branch stores: of a hybrid orbit, they may begin with another leg."""
-    if problem.kind != "hybrid_orbit":
+    """The problem whose unknowns a branch stores: those of one with events may begin with another leg, or
+    hold its limit on another one.
+    """
+    legs = branch.info.settings.get("legs")
+    own = problem.branch_facts()["settings"]
+    if not legs or (legs == own.get("legs") and branch.info.settings.get("limit") == own.get("limit")):
         return problem
-    first = branch.info.settings["legs"][0][0]
-    state, own = np.zeros(problem.states), list(problem.system.states_of(first))
-    state[own] = guess[: len(own)]
+    first = legs[0][0]
+    state, places = np.zeros(problem.states), list(problem.system.states_of(first))
+    state[places] = guess[: len(places)]
     return problem_of(problem.system, branch.info, state, problem.discretization)
