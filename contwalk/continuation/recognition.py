@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Protocol, cast
@@ -15,7 +15,7 @@ from contwalk.errors import NotFinite
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.problems.images import MOST_IMAGES, Product, imaged, in_words
 from contwalk.problems.problem import Problem, Sample, at_stored, equations_at
-from contwalk.problems.restoring import problem_of
+from contwalk.problems.stored_alike import of_the_same, stored_like
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -137,29 +137,12 @@ def _comparable(problem: _Comparable, branch: Branch) -> bool:
         return False
     if branch.info.settings.get("pins") != [pin.name for pin in problem.pins]:
         return False
-    if "of" in info.settings and not _of_the_same(info.settings, problem.branch_facts()["settings"]):
+    if "of" in info.settings and not of_the_same(info.settings, problem.branch_facts()["settings"]):
         return False  # curves of other special points
     # Along a path, a problem may have been made at any of its points.
     moving = problem.line.moving_names
     fixed = {name: v for name, v in problem.line.parameters.items() if name not in moving}
     return all(branch.info.parameters.get(name) == v for name, v in fixed.items())
-
-
-def _of_the_same(stored: Mapping[str, Any], own: Mapping[str, Any]) -> bool:
-    """Whether two curves are of special points of one kind, of the same limit or marked value."""
-    same = all(stored.get(name) == own.get(name) for name in ("of", "of_problem", "curve"))
-    return same and _limit(stored) == _limit(own)
-
-
-def _limit(settings: Mapping[str, Any]) -> Any:
-    """The limit that a curve holds, with its leg by what follows it: orbits may begin with another one, and
-    of one that was doubled either half may be where it is.
-    """
-    limit, legs = settings.get("limit"), settings.get("legs")
-    if not limit or not legs or limit.get("leg") is None:
-        return limit
-    leg = int(limit["leg"])
-    return {**limit, "leg": [list(each) for each in (*legs[leg:], *legs[:leg])]}
 
 
 def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bool:
@@ -377,7 +360,7 @@ def _at_level(
     value, by = level.value, np.zeros(len(arc.chord))
     if level.place is None:
         begin = arc.ends[0]
-        by = at_stored(_stored_like(problem, branch, begin), begin, arc.weights).duration_gradient(begin)
+        by = at_stored(stored_like(problem, branch, begin), begin, arc.weights).duration_gradient(begin)
     else:
         by[level.place] = 1.0
     low, high = 0.0, 1.0
@@ -386,7 +369,7 @@ def _at_level(
         theta = 0.5 * (low + high)
         low, high = (theta, high) if (by @ arc.guess(theta) < value) == rising else (low, theta)
     guess = arc.guess(theta)
-    there = at_stored(_stored_like(problem, branch, guess), guess, arc.weights)
+    there = at_stored(stored_like(problem, branch, guess), guess, arc.weights)
     for _ in range(LEVEL_STEPS):
         correction = correct(there, guess, arc.normal, arc.weights)
         if not correction.ok or correction.linearization is None:
@@ -400,17 +383,3 @@ def _at_level(
             return None
         guess = correction.z + left / slope * tangent
     return None
-
-
-def _stored_like(problem: _Closed, branch: Branch, guess: np.ndarray) -> _Closed:
-    """The problem whose unknowns a branch stores: those of one with events may begin with another leg, or
-    hold its limit on another one.
-    """
-    legs = branch.info.settings.get("legs")
-    own = problem.branch_facts()["settings"]
-    if not legs or (legs == own.get("legs") and branch.info.settings.get("limit") == own.get("limit")):
-        return problem
-    first = legs[0][0]
-    state, places = np.zeros(problem.states), list(problem.system.states_of(first))
-    state[places] = guess[: len(places)]
-    return problem_of(problem.system, branch.info, state, problem.discretization)
