@@ -25,6 +25,8 @@ from contwalk.problems.orbit.multipliers import Multipliers, multipliers
 GROWN, DECAYED = 1e3, 1e4
 # For multipliers each step is taken in so many parts.
 PARTS = 4
+# Where a step alone does not converge: in how many parts it is tried.
+ALONE = (1, 2, 4, 16)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +58,20 @@ class Steps:
 
 def steps_of(orbit: DiscretizedOrbit, z: np.ndarray) -> Steps:
     """The steps of the orbit of z, of which all are taken in one pass. z has the shape (N + 1,)."""
-    return orbit.known.at("steps", z, 2, lambda: _taken(orbit, z))
+    return orbit.known.at("steps", z, 2, lambda: _finite(orbit, z))
+
+
+def _finite(orbit: DiscretizedOrbit, z: np.ndarray) -> Steps:
+    """The steps, in as many parts as an implicit method needs that begins each of them anew.
+
+    Along the orbit it begins a step with what it knows from the one before; alone, a step as long may not
+    converge.
+    """
+    for parts in ALONE:
+        steps = _taken(orbit, z, parts)
+        if np.isfinite(steps.factors).all():
+            break
+    return steps
 
 
 def _taken(orbit: DiscretizedOrbit, z: np.ndarray, parts: int = 1) -> Steps:
