@@ -217,6 +217,8 @@ def _segment(
     if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(prediction.guess, z):
         raise TooLong("The branch is not told from the one that it leaves: what is found is that one's.")
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
+    if there.error > 1.0 and a.orientation != 0.0:  # in the metric: it may be anything
+        raise TooLong("What is found there is not known to its own size.")
     segment = Segment(problem, a, there.varied(iterations=correction.iterations))
     if not smallest and branch_jumps.jumped(segment, correction.iterations):
         raise TooLong("The step does not lie along the branch: it may have left it for another one.")

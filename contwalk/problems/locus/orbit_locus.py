@@ -343,6 +343,8 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
             normal = tangent / weights**2
             z = newton_on(there, z, weights, normal)  # type: ignore[arg-type]
             tangent = there.linearize(z).tangent(normal, weights)
+            onwards = _way(there, z, tangent, weights) @ _way(self, sample.z, sample.tangent, sample.weights)
+            tangent = tangent * (np.sign(onwards) or 1.0)
             there = self.on(orbit, z, weights)
         again = there.examine(z, tangent, weights, there.linearize(z), sample.unstable, sample)
         kept = replace(
@@ -353,6 +355,20 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
             iterations=sample.iterations,
         )
         return there, kept
+
+
+def _way(curve: OrbitLocus, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """How both parameters and the period change along a tangent, shape (3,): in whatever segments orbits are.
+
+    At a fold the equations of orbits on a line along the curve tell their own direction as well, and what is
+    made of both may point backwards.
+
+    z, tangent and weights have the shape (N + k + 2,).
+    """
+    there, own = curve.plane.first(z)
+    gradient, n = there.duration_gradient(own), curve.plane.size
+    rate = float(gradient[:n] @ tangent[:n] + gradient[-1] * tangent[-1])
+    return np.append(tangent[-2:] / weights[-2:], rate / there.duration(own))
 
 
 class _OnTangent:
