@@ -132,6 +132,14 @@ class Eliminated(Generic[Kind]):
         _, _, by_own, by_soft, _, _ = self._parts
         return by_own + by_soft @ self.slope
 
+    def along(self, column: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives by another parameter of what is left, (N,), and of what is eliminated itself, (e,).
+
+        `column` are those of all equations, shape (N + e,).
+        """
+        soft = -self.inverse @ column[self.grouping.soft_rows]
+        return column[self.grouping.hard_rows] + self._parts[3] @ soft, soft
+
     def levels(self, explicit: np.ndarray) -> np.ndarray:
         """Levels of what is left, from levels of all equations. Shape (N,)."""
         own, soft = explicit[self.grouping.hard_rows], explicit[self.grouping.soft_rows]

@@ -67,22 +67,45 @@ class Condensed(ABC):
         """The equations that are left with the condition, shape (N + m,), and their derivatives by all of y,
         shape (N + 1 + k,).
         """
+        found, system, place = self._explicit(there, y)
+        return self._left(found, y, *system.evaluate(found.explicit, place))[:2]
+
+    def in_plane(
+        self, there: SoftEquations, across: SoftEquations, y: np.ndarray, second: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """As `evaluate`, and derivatives by a second parameter, shape (N + m,).
+
+        What is eliminated is the same on both lines: it is solved for once. y has the shape (N + 1 + k,).
+        """
+        found, system, place = self._explicit(there, y)
+        line, whole = across.line, found.explicit.size
+        explicit = found.explicit.varied(line=line, free=line.free)
+        residual, jacobian, column = system.over(found.explicit, explicit, place, second)
+        *left, eliminated = self._left(found, y, residual, jacobian)
+        own, soft = found.along(column[:whole])
+        return left[0], left[1], np.concatenate([own, column[whole:] + eliminated @ soft])
+
+    def _explicit(self, there: SoftEquations, y: np.ndarray) -> tuple[Found, Augmented, np.ndarray]:
+        """The explicit orbit, the condition of it, and the vector that this is evaluated at."""
         size = there.size
         found, own = there._at(y[: size + 1]), y[size + 1 :]
-        earlier, whole = self.before(found, own), found.explicit.size
-        piece = own - sum(found.unknowns[k] for k in earlier)
-        residual, jacobian = self._of(found, own, piece).evaluate(
-            found.explicit, np.concatenate([found.unknowns, piece])
-        )
+        piece = own - sum(found.unknowns[k] for k in self.before(found, own))
+        return found, self._of(found, own, piece), np.concatenate([found.unknowns, piece])
+
+    def _left(
+        self, found: Found, y: np.ndarray, residual: np.ndarray, jacobian: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What `evaluate` returns, and derivatives of the condition by what is eliminated, shape (m, e)."""
+        whole, size = found.explicit.size, len(found.residual)
         held, by_own = jacobian[whole:, : whole + 1].copy(), jacobian[whole:, whole + 1 :]
-        for k in earlier:
+        for k in self.before(found, y[size + 1 :]):
             held[:, k] -= by_own[:, 0]
         left, eliminated = found.grouping.columns(held)
         matrix = np.zeros((size + len(held), len(y)))
         matrix[:size, : size + 1] = found.jacobian
         matrix[size:, : size + 1] = left + eliminated @ found.slope
         matrix[size:, size + 1 :] = by_own
-        return np.concatenate([found.residual, residual[whole:]]), matrix
+        return np.concatenate([found.residual, residual[whole:]]), matrix, eliminated
 
     def vectors(self, there: SoftEquations, y: np.ndarray) -> dict[str, Any]:
         """The critical vector of the orbit, where the condition has one; y has the shape (N + 1 + k,)."""
@@ -97,7 +120,8 @@ class Condensed(ABC):
         """The equations."""
         start = np.append(self.near.z, self.further)
         scale = np.append(self.near.weights, np.where(self.further == 0.0, 1.0, np.abs(self.further)))
-        return Augmented(self.evaluate, start, scale, self.vectors, self.in_units)  # type: ignore[arg-type]
+        given = (self.evaluate, start, scale, self.vectors, self.in_units)
+        return Augmented(*given, in_plane=self.in_plane)  # type: ignore[arg-type]
 
 
 class OfMultipliers(Condensed):

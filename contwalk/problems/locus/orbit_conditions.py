@@ -31,6 +31,9 @@ from contwalk.problems.orbit.augmented import Augmented, Near
 from contwalk.problems.orbit.null_vectors import critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
 
+# What a condition of a pair is made of: g, v, both left vectors, what L changes by, and DF.
+Parts = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
 
 @dataclass(frozen=True)
 class At:
@@ -82,23 +85,19 @@ def pair_system(problem: OrbitData, near: Near, cosine: float, held: bool = Fals
         changing[:size, :size] = turned
         return whole, changing
 
-    def solved(
-        there: OrbitData, y: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def solved(there: OrbitData, y: np.ndarray) -> Parts:
         """g, v, both left vectors, what L changes by, and DF."""
         k = cosine if held else float(y[size + 1])
         jacobian = there.linearize(y[: size + 1]).jacobian
         whole, changing = matrices(jacobian)
         factored = Factored(np.block([[whole, -changing], [changing, whole + 2.0 * k * changing]]))
         corners = np.array([size, 2 * size + 1])
-        units = np.eye(2 * size + 2)[corners]
-        x = factored.solve(units[0])
-        left = np.array([factored.solve_adjoint(unit) for unit in units])
+        units = np.eye(2 * size + 2)[:, corners]
+        x, left = factored.solve(units[:, 0]), factored.solve_adjoint(units).T
         return x[corners], x.reshape(2, -1)[:, :size], left.reshape(2, 2, -1)[:, :, :size], changing, jacobian
 
-    def evaluate(there: OrbitData, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        z = y[: size + 1]
-        g, v, left, changing, jacobian = solved(there, y)
+    def bordered(there: OrbitData, y: np.ndarray, parts: Parts) -> tuple[np.ndarray, np.ndarray]:
+        z, (g, v, left, changing, jacobian) = y[: size + 1], parts
         moved = [variations.cycle_derivative(there, z, own * columns) / rows[:, None] for own in v]
         matrix = np.zeros((size + 2, len(y)))
         matrix[:size, : size + 1] = jacobian
@@ -107,9 +106,19 @@ def pair_system(problem: OrbitData, near: Near, cosine: float, held: bool = Fals
             matrix[size:, size + 1] = -2.0 * left[:, 1] @ (changing[:size, :size] @ v[1])
         return np.concatenate([there.linearize(z).residual, g]), matrix
 
+    def evaluate(there: OrbitData, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return bordered(there, y, solved(there, y))
+
+    def in_plane(
+        there: OrbitData, across: OrbitData, y: np.ndarray, second: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        parts, place = solved(there, y), np.append(y[:size], second)
+        column = variations.by_parameter(across, place, parts[2] / rows, parts[1] * columns)
+        return *bordered(there, y, parts), np.concatenate(column)
+
     further = [] if held else [cosine]
     start, scale = np.append(near.z, further), np.append(near.weights, np.ones(len(further)))
-    return Augmented(evaluate, start, scale, lambda there, y: {})
+    return Augmented(evaluate, start, scale, lambda there, y: {}, in_plane=in_plane)
 
 
 def _borders(problem: OrbitData, near: Near, cosine: float) -> tuple[np.ndarray, np.ndarray]:

@@ -101,9 +101,9 @@ class Held:
         if isinstance(self.system, Valued):
             return self.system.over(plane, z, own)
         n, (first, second) = plane.size, plane.on_lines(z)
-        residual, jacobian = self.system.evaluate(first, np.concatenate([z[:n], z[-1:], own]))
-        other = self.system.evaluate(second, np.concatenate([z[:n], z[-2:-1], own]))[1]
-        return residual, np.column_stack([jacobian[:, :n], other[:, n], jacobian[:, n]]), jacobian[:, n + 1 :]
+        place = np.concatenate([z[:n], z[-1:], own])
+        residual, jacobian, other = self.system.over(first, second, place, float(z[-2]))
+        return residual, np.column_stack([jacobian[:, :n], other, jacobian[:, n]]), jacobian[:, n + 1 :]
 
 
 def evaluated(

@@ -45,6 +45,11 @@ BESIDE = 1e-4
 
 # residual (N + r,) and Jacobian (N + r, N + 1 + r') of an augmented system at its unknowns
 Evaluate = Callable[["OrbitData", np.ndarray], tuple[np.ndarray, np.ndarray]]
+# Both on the line along a first parameter, and the column (N + r,) of derivatives by a second one: of the
+# orbits on the lines along each, the unknowns on the first, and the second parameter
+EvaluateInPlane = Callable[
+    ["OrbitData", "OrbitData", np.ndarray, float], tuple[np.ndarray, np.ndarray, np.ndarray]
+]
 
 
 class Near(Protocol):
@@ -68,6 +73,7 @@ class Augmented:
     `in_units`: whether its last rows are numbers in units of their own, as a guard or an observable is; else
     they are bordered inverses, whose terms are of size one. `across`: the gradient along the branch,
     shape (N + 1,), where on other steps the point may lie so far along theirs that it has to be walked to.
+    `in_plane`: derivatives by two parameters at once, where that is cheaper than `evaluate` on both lines.
     """
 
     evaluate: Evaluate
@@ -76,6 +82,21 @@ class Augmented:
     vectors: Callable[[OrbitData, np.ndarray], dict]
     in_units: bool = False
     across: np.ndarray | None = None
+    in_plane: EvaluateInPlane | None = None
+
+    def over(
+        self, first: OrbitData, second: OrbitData, y: np.ndarray, value: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residual and Jacobian of the orbit on a line along a parameter, and derivatives by another one.
+
+        `second` is the orbit on the line along that, which has the `value`; the column has the shape
+        (N + r,).
+        """
+        if self.in_plane is not None:
+            return self.in_plane(first, second, y, value)
+        place, n = y.copy(), first.size
+        place[n] = value
+        return *self.evaluate(first, y), self.evaluate(second, place)[1][:, n]
 
 
 def located(problem: OrbitData, kind: OrbitKind, sample: Sample, which: int) -> Located | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from contwalk.problems.orbit.equations import period_of
@@ -50,6 +52,21 @@ def cycle_rate(orbit: OrbitData, z: np.ndarray, v: np.ndarray, tangent: np.ndarr
         if width > n:
             result[layout.guards + segment.leg] = moved[width + n]
     return result
+
+
+def by_parameter(
+    orbit: OrbitData, z: np.ndarray, psi: np.ndarray, vectors: Sequence[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives by the orbit's parameter of F, shape (N,), and of -psi.(L v), shape (m,).
+
+    `psi` has the shape (m, k, N) and there are k real v, shape (N,): m sums of k terms. One direction costs
+    far less than `cycle_derivative`.
+    """
+    unit = np.zeros(len(z))
+    unit[-1] = 1.0
+    moved = [cycle_rate(orbit, z, v, unit) for v in vectors]
+    values = -sum(psi[:, k] @ rate for k, rate in enumerate(moved))
+    return orbit.linearize(z).jacobian[:, -1], np.asarray(values)
 
 
 def derivative_along(orbit: OrbitData, z: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -59,11 +59,21 @@ def fold_system(problem: OrbitData, near: Near) -> Augmented:
         v, psi, g = scaled(there, z)
         return there.linearize(z).with_row(g, -psi @ variations.derivative_along(there, z, np.append(v, 0.0)))
 
+    def in_plane(
+        there: OrbitData, across: OrbitData, z: np.ndarray, second: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        v, psi, g = scaled(there, z)
+        found = there.linearize(z).with_row(
+            g, -psi @ variations.derivative_along(there, z, np.append(v, 0.0))
+        )
+        place = np.append(z[:size], second)
+        return *found, np.concatenate(variations.by_parameter(across, place, psi[None, None], [v]))
+
     def vectors(there: OrbitData, z: np.ndarray) -> dict:
         v, psi, _ = scaled(there, z)
         return {"right": v, "left": psi}
 
-    return Augmented(evaluate, near.z, near.weights, vectors)
+    return Augmented(evaluate, near.z, near.weights, vectors, in_plane=in_plane)
 
 
 def _flat_fold(problem: OrbitData, sample: Sample) -> Augmented | None:

@@ -109,8 +109,16 @@ def flip_system(problem: OrbitData, near: Near) -> Augmented:
         v, psi, g = scaled(there, z)
         return there.linearize(z).with_row(g, -psi @ variations.cycle_derivative(there, z, v))
 
+    def in_plane(
+        there: OrbitData, across: OrbitData, z: np.ndarray, second: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        v, psi, g = scaled(there, z)
+        found = there.linearize(z).with_row(g, -psi @ variations.cycle_derivative(there, z, v))
+        place = np.append(z[:size], second)
+        return *found, np.concatenate(variations.by_parameter(across, place, psi[None, None], [v]))
+
     def vectors(there: OrbitData, z: np.ndarray) -> dict:
         v, psi, _ = scaled(there, z[: size + 1])
         return {"right": v, "left": psi, "multiplier": -1.0}
 
-    return Augmented(evaluate, near.z, near.weights, vectors)
+    return Augmented(evaluate, near.z, near.weights, vectors, in_plane=in_plane)
