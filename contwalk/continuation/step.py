@@ -35,6 +35,7 @@ TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
 BESIDE = 1e-4
 # A step from a branch point is lost in the error of where it ends, if that is a larger part of it.
 BLURRED = 0.1
+SUDDENLY = 1e3  # what is known so many times worse than before, and not to its size, may be anything
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
 
@@ -217,7 +218,7 @@ def _segment(
     if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(prediction.guess, z):
         raise TooLong("The branch is not told from the one that it leaves: what is found is that one's.")
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
-    if there.error > 1.0 and a.orientation != 0.0:  # in the metric: it may be anything
+    if a.orientation != 0.0 and there.error > max(1.0, SUDDENLY * a.error):
         raise TooLong("What is found there is not known to its own size.")
     segment = Segment(problem, a, there.varied(iterations=correction.iterations))
     if not smallest and branch_jumps.jumped(segment, correction.iterations):
