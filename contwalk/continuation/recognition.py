@@ -308,8 +308,10 @@ def _kinds(problem: _Closed, signature: Sequence[str] | None) -> list[str]:
 def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 1) -> tuple[str, ...] | None:
     """The symmetries whose image of an orbit a branch passes, none of them first; None if it passes none."""
     period = sample.period / closures
-    # On the steps of a branch orbits are known to their error only, and both are.
-    alike = min(float(np.fmax(SAME, sample.error)), MET)
+    # On the steps of a branch orbits are known to their error only. One that has just left another, which the
+    # unknowns of a single parameter do not tell from it within that error, is another one.
+    in_plane = len(problem.line.names) == 2
+    alike, error = (min(float(np.fmax(SAME, sample.error)), MET),) * 2 if in_plane else (SAME, 0.0)
     for k, (ta, tb) in enumerate(pairwise(branch.points["period"])):
         a, b = branch.unknowns(k), branch.unknowns(k + 1)
         if len(a) != len(b):
@@ -337,7 +339,7 @@ def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 
             continue
         x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
         spatial = [s for s in problem.system.symmetries if s.role == "spatial"]
-        passed = there.first_passed(z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]], alike)
+        passed = there.first_passed(z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]], error)
         if passed is not None:
             return (spatial[passed - 1].name,) if passed else ()
     return None

@@ -212,13 +212,13 @@ def _segment(
         raise TooLong("The step passes the end of the range.")
     if problem.equivalence.gains_symmetry(a.z, z):
         raise TooLong(
-            "The step ends on a solution that repeats itself, or is its own image, as those before do not: "
-            "it may have gone over to the branch that this one left."
+            "The step ends on a solution that repeats itself, or is its own image, as those before do not."
         )
     if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(prediction.guess, z):
         raise TooLong("The branch is not told from the one that it leaves: what is found is that one's.")
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
-    if a.orientation != 0.0 and there.error > max(1.0, SUDDENLY * a.error):
+    suddenly = problem.meshed is not None and there.error > max(1.0, SUDDENLY * a.error)
+    if suddenly and a.orientation != 0.0:
         raise TooLong("What is found there is not known to its own size.")
     segment = Segment(problem, a, there.varied(iterations=correction.iterations))
     if not smallest and branch_jumps.jumped(segment, correction.iterations):
