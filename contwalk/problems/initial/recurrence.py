@@ -25,9 +25,11 @@ TOLERANCE = 1e-9
 LEAST_VARIATION = 1e-150
 # A return this near, in units of the motion's range, is one; Newton's method does the rest.
 RETURNED = 1e-4
-# Simulated stretches, each so many steps long at most, before the search is given up.
-STRETCHES = 400
-STEPS = 400
+# Simulated stretches before the search is given up, and steps of all of them.
+STRETCHES, MOST_STEPS = 400, 240_000
+# A stretch grows until it takes so many steps. A round of more steps is not seen in it: after so many
+# stretches without a return they may take as many steps more, and again.
+STEPS, PATIENCE = 400, 20
 # Returns of one stretch that are looked at: orbits that close after so many rounds are found.
 MOST_ROUNDS = 32
 # Instants of a step at which it is looked at where a motion is.
@@ -151,7 +153,8 @@ def recurrent(
         path = _checked(simulation, simulation.run(t, x, float(until) / unit, weights), unit).path
         t, x = float(path.times[-1]), path.states[-1].copy()
     length = 8.0 if forced else _first_length(simulation, x, weights)
-    for _ in range(STRETCHES):
+    taken = 0
+    for stretch in range(STRETCHES):
         run = _checked(simulation, simulation.run(t, x, t + length, weights), unit)
         path = run.path
         variation = np.ptp(path.states, axis=0)
@@ -164,7 +167,10 @@ def recurrent(
         # A stretch may see next to nothing of a slow motion: what it varies by does not tell all.
         weights = np.maximum(np.maximum(0.5 * variation, LEAST * reached), LEAST * weights)
         t, x = float(path.times[-1]), path.states[-1].copy()
-        if len(path.times) < STEPS:
+        taken += len(path.times)
+        if taken > MOST_STEPS:
+            break
+        if len(path.times) < STEPS * (1 + stretch // PATIENCE):
             length *= 1.5
     lasted = simulation.system.lasting(t * unit)
     raise StartError(

@@ -141,6 +141,20 @@ def test_a_motion_that_is_not_periodic(monkeypatch):
         recurrent(system, system.defaults(), np.array([1.0, 0.0, 1.0, 0.0]))
 
 
+@pytest.mark.parametrize("rate", [50.0, 400.0, 4000.0])
+def test_a_round_may_take_more_steps_than_a_first_stretch(rate):
+    """What follows the motion fast keeps the steps of an explicit method short: the cycle attracts still."""
+
+    def field(t, x, p, dx):
+        dx[0] = x[1]
+        dx[1] = (1.0 - x[0] ** 2) * x[1] - x[0]
+        dx[2] = -p.rate * (x[2] - x[0] * x[1])
+
+    system = small_system(field, "xyz", {"rate": rate})
+    found = recurrent(system, system.defaults(), np.array([2.0, 0.0, 0.0]))
+    assert found.period == pytest.approx(6.6632868593, rel=NEAR)  # van der Pol's, whatever follows it
+
+
 def test_instants_of_returns_are_found_all_at_once():
     """A sine that is pressed flat against its zeros: false position alone would creep."""
 
