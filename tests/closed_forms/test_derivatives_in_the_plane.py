@@ -16,6 +16,8 @@ import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.problems.locus.orbit_places import Held
 
+pytestmark = pytest.mark.slow
+
 
 def folds() -> Branch:
     state, ranges = [1.3**0.5, 0.0], {"lam": (-0.5, 0.5), "nu": (0.1, 0.5)}
