@@ -13,7 +13,7 @@ Rules
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar, Protocol, TypeVar
@@ -161,7 +161,7 @@ class PointType:
         """The record of a located point, with its normal form."""
         raise NotImplementedError(f"points {self.label} have no record")
 
-    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+    def seeds(self, problem: Any, point: SpecialPoint) -> Iterable[Seed]:
         """The branches that leave a stored point."""
         return ()
 

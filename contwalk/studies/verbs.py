@@ -111,13 +111,12 @@ def switch_branch(
         state = np.array(list(special.state.values()))
         problem = problem_of(problem.system, branch.info, state, problem.discretization)
     kind = kind_of(problem, special)
-    seeds = () if kind is None else kind.seeds(problem, special)
-    if not seeds:
+    seed = None if kind is None else next(iter(kind.seeds(problem, special)), None)
+    if seed is None:
         raise StartError(
             f"No other branch leaves {special.name} of {branch.name}.",
             f"Branches leave {_left(problem)}.",
         )
-    seed = seeds[0]
     # What is watched along the new branch: of cycles that are born at a Hopf point more than of equilibria.
     born: Any = seed.problem
     chosen = _settings(born, range, marks, settings, float(special.unknowns[-1]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from loci_of_orbits import studied
 
 # r' = r (mu - r^2 - 0.6 s^2), s' = s (nu - 0.5 r^2 - s^2), gone round with 2 and 3.3 a second: HH at (0, 0).
@@ -50,3 +51,16 @@ def test_tori_of_both_cycles_are_followed_from_a_double_hopf_point(tmp_path) -> 
         assert off < 1e-6
         assert curve.outcome.reason == "bound"
         assert 0.0 < curve["mu"].min() < 0.05
+
+
+@pytest.mark.parametrize(("weak", "told"), [("1e-6", True), ("0.0", False)])
+def test_tori_that_are_not_found_are_told(tmp_path, weak, told) -> None:
+    """r changes the growth of s so little that no place beside the point has that torus; or not at all."""
+    plugin = PLUGIN.replace("0.5 * r", f"{weak} * r")
+    _, (_, *curves), _ = studied(tmp_path, "two_pairs", plugin, RUN)
+    failed = [curve for curve in curves if curve.outcome.status == "failed"]
+    followed = [curve.info.settings["of"] for curve in curves if curve not in failed]
+    assert sorted(followed) == ["HB", "HB", "NS"]
+    # Both curves of Hopf points pass the point, and each tells it.
+    assert [curve.outcome.reason for curve in failed] == (2 * ["no_convergence"] if told else [])
+    assert all("No torus of the cycles of frequency 2 " in curve.outcome.message for curve in failed)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from loci_of_orbits import studied
 
+from contwalk.problems.locus import births
+
 # z' = b + z^2 - r^2, r' = r (c + 0.75 z + z^2/2), gone round with 2 a second: folds at b = 0, Hopf points at
 # b = -z^2. Cycles with z = 0 have a torus: c = 0, b = r^2.
 PLUGIN = """
@@ -47,3 +49,15 @@ def test_tori_are_followed_from_a_zero_hopf_point_of_either_curve(tmp_path, kind
     assert np.max(np.abs(tori["c"])) < 1e-6
     assert tori["b"].max() == 0.4
     assert 0.0 < tori["b"].min() < 0.05
+
+
+@pytest.mark.parametrize("kind", ["LP", "HB"])
+def test_tori_that_are_not_found_are_told(tmp_path, monkeypatch, kind) -> None:
+    monkeypatch.setattr(births, "tori_of_cycles", lambda *_: ())
+    _, (_, *curves), _ = studied(tmp_path, "zero_hopf", PLUGIN, RUN.replace("KIND", kind))
+    failed = [curve.outcome for curve in curves if curve.outcome.status == "failed"]
+    assert failed
+    assert {outcome.reason for outcome in failed} == {"no_convergence"}
+    assert all("No torus of the cycles of frequency 2 " in outcome.message for outcome in failed)
+    followed = [curve.info.settings["of"] for curve in curves if curve.outcome.status != "failed"]
+    assert sorted(followed) == ["HB", "LP"]

@@ -122,6 +122,15 @@ def tori_of_cycles(problem: Any, z: np.ndarray, leaning: Sequence[float] = (0.0,
     return _found_beside(problem, z, born)
 
 
+def tori_not_found(frequencies: Sequence[float]) -> StartError:
+    """What is said where a normal form has tori of cycles of these frequencies and none was found."""
+    of = " and ".join(f"{omega:.6g}" for omega in frequencies)
+    return StartError(
+        f"No torus of the cycles of frequency {of} that begin beside this point was found.",
+        "Continue the cycles of a Hopf point beside it: the curve can be begun at a torus (NS) of theirs.",
+    )
+
+
 def _torus(problem: Any, z: np.ndarray, r: float, origin: np.ndarray, lean: float) -> Seed | None:
     """The torus of the cycles that are born at a Hopf point at z, shape (N + 1,) of its curve.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from importlib import import_module
 from typing import Any
@@ -54,12 +54,19 @@ def _tori(problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
 
     There is one where f011 and the real part of g110 have opposite signs (Kuznetsov 2004, section 8.5), not
     at branch points. z has the shape (N + 1,).
+
+    Raises
+    ------
+    StartError
+        If it is not found where there is one.
     """
     form = point.coefficients
     if point.kind == KIND or "theta" not in form or not form["f011"] * form["g110_real"] < 0.0:
         return ()
     births: Any = import_module("contwalk.problems.locus.births")  # compiled flows, where they are wanted
     found: Sequence[Seed] = births.tori_of_cycles(problem, z, (1.0, -1.0))
+    if not found:
+        raise births.tori_not_found([float(form["omega"])])
     return found
 
 
@@ -81,11 +88,12 @@ class PairOnFold(ZeroHopf):
         """A complex pair."""
         return bool(sample.eigenvalues[which].imag != 0.0)
 
-    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of Hopf points, and that of tori of its cycles."""
+    def seeds(self, problem: Any, point: SpecialPoint) -> Iterator[Seed]:
+        """The curve of Hopf points, and that of tori of its cycles; raises what `_tori` does, at last."""
         kappa = float(point.coefficients["omega"]) ** 2
         there, z = problem.other(HOPF_POINTS, np.array(point.unknowns), kappa)
-        return [*born(problem, point, HOPF_POINTS, kappa), *_tori(there, z, point)]
+        yield from born(problem, point, HOPF_POINTS, kappa)
+        yield from _tori(there, z, point)
 
     def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
         """Of the pair that passes."""
@@ -127,9 +135,10 @@ class ZeroOnHopf(ZeroHopf):
         """A real eigenvalue, where the curve's own pair is imaginary."""
         return bool(sample.eigenvalues[which].imag == 0.0) and problem.kappa(sample.z) > 0.0
 
-    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of folds, and that of tori of the cycles."""
-        return [*born(problem, point, FOLDS), *_tori(problem, np.array(point.unknowns), point)]
+    def seeds(self, problem: Any, point: SpecialPoint) -> Iterator[Seed]:
+        """The curve of folds, and that of tori of the cycles; raises what `_tori` does, at last."""
+        yield from born(problem, point, FOLDS)
+        yield from _tori(problem, np.array(point.unknowns), point)
 
     def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
         """Of the curve's own pair."""
