@@ -25,6 +25,10 @@ TOLERANCE = 1e-9
 LEAST_VARIATION = 1e-150
 # A return this near, in units of the motion's range, is one; Newton's method does the rest.
 RETURNED = 1e-4
+# and in units of the range of the round alone: what is left of a transient makes the motion's range larger.
+CLOSED = 1e-2
+# A round smaller than this, in units of what errors are measured by, is not known to that part of itself yet.
+ROUGH = 1e-5
 # Simulated stretches before the search is given up, and steps of all of them.
 STRETCHES, MOST_STEPS = 400, 240_000
 # A stretch grows until it takes so many steps. A round of more steps is not seen in it: after so many
@@ -158,8 +162,8 @@ def recurrent(
         run = _checked(simulation, simulation.run(t, x, t + length, weights), unit)
         path = run.path
         variation = np.ptp(path.states, axis=0)
-        _check_moves(simulation, path, variation)
-        found = _return(simulation, run, variation, forced)
+        _check_moves(simulation, path, variation, weights)
+        found = _return(simulation, run, variation, weights)
         if found is not None:
             sizes = magnitudes_on(simulation.states, path.states, TOLERANCE)
             return Recurrence(found[0], found[1] * unit, 0.5 * variation, sizes)
@@ -202,21 +206,25 @@ def _checked(simulation: Simulation, run: Choice, unit: float) -> Choice:
     return run
 
 
-def _check_moves(simulation: Simulation, path: flow.Path, variation: np.ndarray) -> None:
+def _check_moves(simulation: Simulation, path: flow.Path, variation: np.ndarray, weights: np.ndarray) -> None:
     """An equilibrium is not an orbit."""
-    size = np.maximum(np.abs(path.states[-1]), 1e-12)
-    if simulation.system.period is None and np.all(variation <= STILL * size):
+    if simulation.system.period is None and _still(variation, path.states[-1], weights):
         raise AtRest(path.states[-1])
 
 
+def _still(variation: np.ndarray, state: np.ndarray, weights: np.ndarray) -> bool:
+    """Whether states vary by no more than their steps' errors: at a rest at zero that is all that is left."""
+    return bool(np.all(variation <= STILL * np.maximum(np.abs(state), weights)))
+
+
 def _return(
-    simulation: Simulation, run: Choice, variation: np.ndarray, forced: bool
+    simulation: Simulation, run: Choice, variation: np.ndarray, weights: np.ndarray
 ) -> tuple[np.ndarray, float] | None:
     """State and time of the first near return in the later half of a path to a point of it."""
     scale = np.where(variation > LEAST_VARIATION, variation, 1.0)
     turns = np.array([s.period or 0.0 for s in simulation.states])
     begin, end = float(run.path.times[0]), float(run.path.times[-1])
-    if forced:
+    if simulation.system.period is not None:
         strobe = np.arange(np.ceil(begin), end + 1e-9)
         states = simulation.at(run, np.clip(strobe, begin, end))
         for k in range(1, len(strobe)):
@@ -239,9 +247,17 @@ def _return(
     if not len(passed):
         return None
     returns = _zeros(lambda t: apart(t) @ normal, later, side, passed)
-    missed = np.linalg.norm(apart(returns) / scale, axis=1)
-    closed = np.flatnonzero(missed < RETURNED)
-    return (origin, float(returns[closed[0]] - middle)) if len(closed) else None
+    missed = apart(returns)
+    for missing, instant in zip(missed, returns, strict=True):
+        if not np.linalg.norm(missing / scale) < RETURNED:
+            continue
+        # What has come to rest, or winds round a rest ever nearer, comes back by the range of its way there.
+        loop = np.ptp(distances[later <= instant], axis=0)
+        if np.any(loop > ROUGH * weights) and (
+            np.linalg.norm(missing / np.maximum(loop, ROUGH * weights)) < CLOSED
+        ):
+            return origin, float(instant - middle)
+    return None
 
 
 def _refined(times: np.ndarray) -> np.ndarray:
