@@ -36,3 +36,13 @@ def test_units_and_angles_count():
 def test_an_orbit_that_rests_is_a_point():
     curve = np.zeros((5, 2))
     assert distance(curve, np.array([3.0, 4.0]), NO_ANGLES, np.ones(2)) == pytest.approx(5.0, rel=1e-15)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.2, 0.5, 0.9])
+def test_an_orbit_that_comes_by_twice_is_as_near_as_the_nearer_time(shift):
+    """Two rounds 1e-3 apart; samples of the outer one, on which the state is, are farther than the others."""
+    inner, phase = circle(100), 2.0 * math.pi * (np.arange(100) + shift) / 99.0
+    outer = 1.001 * np.column_stack([np.cos(phase), np.sin(phase)])
+    x = 1.001 * np.array([math.cos(angle := 2.0 * math.pi * 30 / 99.0), math.sin(angle)])
+    assert distance(np.vstack([inner, outer]), x, NO_ANGLES, np.ones(2)) < 2e-5
+    assert distance(np.vstack([inner, outer]), x / 1.0005, NO_ANGLES, np.ones(2)) > 4e-4
