@@ -13,7 +13,7 @@ from hybrid_runs import ACCURACY, opened
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.settings import Settings
-from contwalk.problems.hybrid import mirror_image as mirrors
+from contwalk.problems.orbit import mirror as mirrors
 
 # Machine, half periods of the forcing in half a cycle, a value with a symmetric orbit, and a range that
 # passes the value at which the symmetry is lost; of the pair, one of its stops is grazed in it as well.
@@ -112,9 +112,9 @@ def test_a_limit_is_located_by_a_walk_of_its_own():
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_run_that_is_killed_goes_on_to_the_same_bits(trusted, monkeypatch):
     if not trusted:
-        own = mirrors.HybridMirror.row
+        own = mirrors.OrbitMirror.row
         limited = lambda self, row, *more: None if row["s"] > 0.5 else own(self, row, *more)  # noqa: E731
-        monkeypatch.setattr(mirrors.HybridMirror, "row", limited)
+        monkeypatch.setattr(mirrors.OrbitMirror, "row", limited)
     whole, notes, events = made("pair") if not trusted else known("pair")
     assert any("do not satisfy" in note for note in notes) == (not trusted)
     appended = Appended.of(events, "b2")

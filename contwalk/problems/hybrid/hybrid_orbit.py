@@ -25,7 +25,6 @@ from contwalk.problems.hybrid.diagnosis import HybridDiagnosis
 from contwalk.problems.hybrid.hybrid_limits import HybridLimits
 from contwalk.problems.hybrid.limited_orbit import MOST_VIEWS, LimitedOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
-from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.kink import Kink
 from contwalk.problems.linearization import Fitted
 from contwalk.problems.orbit.multipliers import Multipliers
@@ -141,7 +140,3 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
             record = replace(record, note=met if record.note is None else f"{record.note}; {met}")
         values = there.margins(located.z)
         return replace(record, admissible=values.admissible, margin=values.by_name)
-
-    def mirror(self, sample: Sample) -> HybridMirror | None:
-        """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
-        return mirror_of(self, sample)

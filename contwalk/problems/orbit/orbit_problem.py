@@ -22,6 +22,7 @@ from contwalk.problems.orbit import (
     equivalence,
     facts,
     metric,
+    mirror,
     monodromy,
     motion,
     observing,
@@ -52,6 +53,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
 
     first_passed, same = equivalence.first_passed, equivalence.same
     beginnings = metric.beginnings
+    mirror = mirror.mirror_of
     reported = reporting.reported
     doubled_from, unfolded_from = switching.doubled, switching.unfolded
     asymmetries, returned_to_parent = asymmetry.of_moving, termination.returned_to_parent

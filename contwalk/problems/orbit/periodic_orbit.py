@@ -8,7 +8,6 @@ from typing import Any, Unpack
 import numpy as np
 
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
-from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
@@ -65,9 +64,3 @@ class PeriodicOrbit(OrbitProblem):
             "forbidden": self.system.has_events
             and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
         }
-
-    # -- special points ----------------------------------------------------------------------------------
-
-    def mirror(self, sample: Sample) -> OrbitMirror | None:
-        """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
-        return mirror_of(self, sample)
