@@ -8,28 +8,20 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
-from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
-from contwalk.continuation.locating import SAME_POINT, Disagreement, Found, TooLong
-from contwalk.continuation.marks import Observer, marked
+from contwalk.continuation.detection import at_branch_point, at_the_end
+from contwalk.continuation.locating import Disagreement, Found, TooLong
+from contwalk.continuation.marks import Observer
 from contwalk.continuation.newton import Correction, Explanation, correct, text_of
+from contwalk.continuation.points_before_limits import COINCIDE, everything, everything_before
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
-from contwalk.continuation.zeros_of_test_functions import zeros_of_test_functions
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Located, Problem, Sample, Test
 
-# A mark this near to a bifurcation, in parts of the step, is at the same place.
-COINCIDE = 1e-9
-# What lies this near before the end of the admissible orbits, in parts of the step, is not told from it.
-BEFORE_LIMIT = 1e-4
-# The same where a leg vanishes, as far as solutions are not to be found nearer.
-BEFORE_VANISHING = (1e-2, 1e-1, 3e-1)
 # A family of orbits is followed to this size, in the metric, before it counts as shrunk onto its Hopf point.
 NEARLY_SHRUNK = 1e-3
-# What tells points at which the branch itself may turn.
-TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
 # How far from a branch point that a walk begins at its side is looked at, in parts of the first step, where
 # equations are exact.
 BESIDE = 1e-4
@@ -282,9 +274,9 @@ def _special(
         reached = limits.passed(segment, begins=state.s == 0.0)
         end = limits.stopping(segment.problem, reached, settings.events)
         if end is None:
-            found = [*_smooth(segment, settings, observer, born), *reached]
+            found = [*everything(segment, settings, observer, born), *reached]
         else:  # what lies beyond is not the machine's motion, and its tests tell nothing
-            found, end = _smooth_before(segment, end, settings, observer, born)
+            found, end = everything_before(segment, end, settings, observer, born)
             found += limits.up_to(segment.problem, reached, end, settings.events)
     except Disagreement as disagreement:
         if not smallest:
@@ -296,66 +288,11 @@ def _special(
     return [f for f in counted if f.type.told]
 
 
-def _smooth_before(
-    segment: Segment, end: Found, settings: Settings, observer: Observer, born: bool
-) -> tuple[list[Found], Found]:
-    """Everything special on a segment that lies before a limit at which the branch ends, and that limit.
-
-    Solutions right beside a leg that vanishes are not to be found: there it is looked for a little less far,
-    which the limit is told with.
-    """
-    nearer = (BEFORE_LIMIT, *(BEFORE_VANISHING if "vanishing" in end.located.vectors else ()))
-    for less in nearer:
-        share = end.theta * (1.0 - less)
-        if share <= 0.0:
-            break
-        try:
-            part = segment.until(share)
-            found = _smooth(part, settings, observer, born)
-        except LostBranch:
-            if less == nearer[-1]:
-                raise
-            continue
-        note = "" if less == BEFORE_LIMIT else _not_looked_for(segment.problem, part.b, observer)
-        before = [replace(f, theta=share * f.theta) for f in found if not _is_end(f, end, segment)]
-        return before, replace(end, note=note)
-    return [], end
-
-
-def _is_end(found: Found, end: Found, segment: Segment) -> bool:
-    """Whether a branch point is one with orbits whose leg, which vanishes there, lasts no time all along."""
-    if found.type.test is not Test.ORIENTATION or "vanishing" not in end.located.vectors:
-        return False
-    return norm_in(found.located.z - end.located.z, segment.weights) < SAME_POINT
-
-
-def _not_looked_for(problem: Problem, last: Sample, observer: Observer) -> str:
-    """A sentence on what may lie between the last sample that is known and the limit behind it."""
-    labels = dict.fromkeys(
-        kind.label for kind in problem.point_types if kind.test in (*TURNS, Test.STABILITY)
-    )
-    place = f"{observer.line.free} = {last.parameter:.10g}"
-    return (
-        f"{', '.join(labels)} were not looked for between {place} and here: orbits are not found so near to "
-        "where a segment between two events vanishes"
-    )
-
-
 def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -> bool:
     """Whether the walk goes on from a step that ends at a limit, to within what its margin is known to."""
     reached = [f for f in found if f.kind != "unlocated" and f.type.test is Test.MARGIN]
     goes_on = limits.stopping(segment.problem, reached, settings.events) is None
     return goes_on and limits.in_doubt(segment)
-
-
-def _smooth(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
-    """All that tests tell on a segment, and marks; `born`: the branch leaves another one at its beginning."""
-    found = [*bifurcations(segment), *zeros_of_test_functions(segment)]
-    turns = [*([0.0] if born else []), *(f.theta for f in found if f.type.test in TURNS)]
-    for mark in marked(segment, settings.sought, observer, turns):
-        at = [f.theta for f in found if f.type.test is not Test.MARK and abs(f.theta - mark.theta) < COINCIDE]
-        found.append(replace(mark, theta=at[0]) if at else mark)
-    return found
 
 
 def _with_counts(found: list[Found], count: int) -> list[Found]:

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.errors import NotFinite, PluginError
 from contwalk.labels import OF_LOCI
 from contwalk.problems.hybrid import limits_in_words
 from contwalk.problems.hybrid.soft_equations import SoftEquations
 from contwalk.problems.locus.condensed import limit_system
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points import tangency
+from contwalk.problems.locus.orbit_points import crossing, tangency
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
 from contwalk.problems.locus.orbit_points.switching import limit_born
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import LimitType, Located, Sample, Seed, Test
 
+# What two grazings at once are told as; how small a margin is at a point that is located roughly.
+GRAZINGS, MET = "GRGR", 1e-3
 # Curves that are tangent to the grazing curve where the orbit's own event loses its rate.
 TANGENT = ("LP", "PD")
 
@@ -61,13 +65,49 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
 
         return Augmented(system.evaluate, system.start, scale, vectors)
 
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The point near a sample.
+
+        Where an event loses its velocity on a curve of grazings both touches may be one: what has the event
+        without velocity is a curve of grazings itself, and the limit alone is met all along it.
+        """
+        if self.label == GRAZINGS and problem.limited.limits[which].kind == "resonant":
+            found = self._at_crossing(problem, sample, which)
+            if found is not None:
+                return found
+        return super().locate(problem, sample, which)
+
+    def _at_crossing(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The point near a sample at which curves cross, if the limit is met there."""
+        try:
+            system = crossing.crossing_system(problem, sample)
+        except (NotFinite, PluginError, np.linalg.LinAlgError):
+            return None
+
+        def vectors(at: Any, y: np.ndarray) -> dict[str, Any]:
+            leg = at.limited.limits[which].own.leg
+            lasting = float(y[at.orbit.layout.durations][leg])
+            return {**system.vectors(at, y), "limit": which, "seconds": lasting}
+
+        found = problem.located(replace(system, vectors=vectors), sample)
+        if found is None or not abs(problem.margins(found.z).relative[which]) < MET:
+            return None
+        return cast(Located, found)
+
+    def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
+        """That of the curve that `near` is on, where curves cross. Shape (N + k + 2,)."""
+        return crossing.tangent_through(located, near)
+
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of that grazing, where the curve of these orbits is told to cross it."""
-        return limit_born(problem, point, self.like) if self.label in OF_LOCI else ()
+        if self.label not in OF_LOCI or point.kind == "resonant":
+            return ()
+        return limit_born(problem, point, self.like)
 
     def has(self, point: SpecialPoint) -> bool:
-        """A point of that label where both curves cross, not one where they are tangent."""
-        return point.label == self.label and point.kind != "resonant"
+        """A point of that label where both curves cross, or of two grazings; not one where they are
+        tangent."""
+        return point.label == self.label and (point.kind != "resonant" or self.label == GRAZINGS)
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The kind, where in the cycle it is met, and where both curves are tangent how they part."""

@@ -1,0 +1,79 @@
+"""What is special on a segment but limits: on the whole of it, or up to a limit at which a branch ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from contwalk.continuation.detection import bifurcations
+from contwalk.continuation.locating import SAME_POINT, Found
+from contwalk.continuation.marks import Observer, marked
+from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.continuation.settings import Settings
+from contwalk.continuation.zeros_of_test_functions import zeros_of_test_functions
+from contwalk.numerics.linear import norm_in
+from contwalk.problems.problem import Problem, Sample, Test
+
+# A mark this near to a bifurcation, in parts of the step, is at the same place.
+COINCIDE = 1e-9
+# What lies this near before the end of the admissible orbits, in parts of the step, is not told from it.
+BEFORE_LIMIT = 1e-4
+# The same where equations are singular at the limit, as far as solutions are not to be found nearer.
+BEFORE_SINGULAR = (1e-2, 1e-1, 3e-1)
+VANISHES = "orbits are not found so near to where a segment between two events vanishes"
+CROSSED = "orbits are hardly known so near to where another curve of them crosses"
+# What tells points at which the branch itself may turn.
+TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
+
+
+def everything(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
+    """All that tests tell on a segment, and marks; `born`: the branch leaves another one at its beginning."""
+    found = [*bifurcations(segment), *zeros_of_test_functions(segment)]
+    turns = [*([0.0] if born else []), *(f.theta for f in found if f.type.test in TURNS)]
+    for mark in marked(segment, settings.sought, observer, turns):
+        at = [f.theta for f in found if f.type.test is not Test.MARK and abs(f.theta - mark.theta) < COINCIDE]
+        found.append(replace(mark, theta=at[0]) if at else mark)
+    return found
+
+
+def everything_before(
+    segment: Segment, end: Found, settings: Settings, observer: Observer, born: bool
+) -> tuple[list[Found], Found]:
+    """Everything special on a segment that lies before a limit at which the branch ends, and that limit.
+
+    Solutions right beside a leg that vanishes are not to be found, and where another curve crosses they are
+    hardly known: there it is looked for a little less far, which the limit is told with.
+    """
+    crossed, vanishing = (key in end.located.vectors for key in ("crossing", "vanishing"))
+    nearer = (*(() if crossed else (BEFORE_LIMIT,)), *(BEFORE_SINGULAR if crossed or vanishing else ()))
+    for less in nearer:
+        share = end.theta * (1.0 - less)
+        if share <= 0.0:
+            break
+        try:
+            part = segment.until(share)
+            found = everything(part, settings, observer, born)
+        except LostBranch:
+            if less == nearer[-1]:
+                raise
+            continue
+        why = CROSSED if crossed else VANISHES
+        note = "" if less == BEFORE_LIMIT else _not_looked_for(segment.problem, part.b, observer, why)
+        before = [replace(f, theta=share * f.theta) for f in found if not _is_end(f, end, segment)]
+        return before, replace(end, note=note)
+    return [], end
+
+
+def _is_end(found: Found, end: Found, segment: Segment) -> bool:
+    """Whether a branch point is one with orbits whose leg, which vanishes there, lasts no time all along."""
+    if found.type.test is not Test.ORIENTATION or "vanishing" not in end.located.vectors:
+        return False
+    return norm_in(found.located.z - end.located.z, segment.weights) < SAME_POINT
+
+
+def _not_looked_for(problem: Problem, last: Sample, observer: Observer, why: str) -> str:
+    """A sentence on what may lie between the last sample that is known and the limit behind it."""
+    labels = dict.fromkeys(
+        kind.label for kind in problem.point_types if kind.test in (*TURNS, Test.STABILITY)
+    )
+    place = f"{observer.line.free} = {last.parameter:.10g}"
+    return f"{', '.join(labels)} were not looked for between {place} and here: {why}"
