@@ -207,9 +207,15 @@ def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str
         return asked
     if asked == "switch" and not limit.acts:
         return "ignore"
-    if asked == "ignore" and limit.kind == "terminal":
-        return "stop"
-    return asked
+    return "stop" if asked == "ignore" and final(limit, located) else asked
+
+
+def final(limit: Limit, located: Located) -> bool:
+    """Whether no solution beyond a limit is the machine's: the orbit's own event would happen earlier.
+
+    Where it has become one with what touches, another curve of such orbits crosses.
+    """
+    return limit.kind == "terminal" or "crossing" in located.vectors
 
 
 def stopping(problem: Problem, found: list[Found], events: Mapping[str, str]) -> Found | None:

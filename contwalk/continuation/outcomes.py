@@ -50,17 +50,17 @@ def neutral_saddles() -> Outcome:
     )
 
 
-def limit(point: LimitType, kind: str | None, asked: str, words: str) -> Outcome:
-    """The orbits beyond are not the machine's, or have another itinerary."""
+def limit(point: LimitType, final: bool, asked: str, words: str) -> Outcome:
+    """The orbits beyond are not the machine's, or have another itinerary; `final`: none of them is ever."""
     reason, label = point.reason, point.like or point.label
     if asked == "switch":
         return Outcome("complete", reason, words)
-    if kind == "terminal":
+    if final:
         words += (
             " What solves the equations beyond it passes that guard earlier: no orbit of this signature "
             "is the machine's."
         )
-    ways = [] if kind == "terminal" else [f"--set events.{label}=ignore goes on past it"]
+    ways = [] if final else [f"--set events.{label}=ignore goes on past it"]
     # A limit that is told under another label is one of a curve: no other curve is begun at it.
     if not (point.declared or point.like):
         ways.append(f"--set events.{label}=switch goes on to orbits of another signature")

@@ -210,8 +210,8 @@ def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settin
         words = limited.stopped(found.located, found.sample)
         if asked == "switch":
             words = f"{words} {limited.neighbours(record)[1]}"
-        kind = limited.limits[int(found.located.vectors["limit"])].kind
-        return outcomes.limit(found.type, kind, asked, words)
+        final = limits.final(limited.limits[int(found.located.vectors["limit"])], found.located)
+        return outcomes.limit(found.type, final, asked, words)
     if found.located.vectors.get("returned_to_parent"):
         return outcomes.returned_to_parent()
     if found.type.saddles and settings.neutral_saddles == "stop":

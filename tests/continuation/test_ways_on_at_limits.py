@@ -24,7 +24,7 @@ def kind(label):
 
 
 def test_each_way_on_is_a_sentence_of_its_own():
-    message = limit(kind("GR"), "interior", "stop", WORDS).message
+    message = limit(kind("GR"), False, "stop", WORDS).message
     assert message == (
         "'impact' is touched. --set events.GR=ignore goes on past it. "
         "--set events.GR=switch goes on to orbits of another signature."
@@ -32,16 +32,16 @@ def test_each_way_on_is_a_sentence_of_its_own():
 
 
 def test_nothing_goes_past_a_terminal_one():
-    message = limit(kind("GR"), "terminal", "stop", WORDS).message
+    message = limit(kind("GR"), True, "stop", WORDS).message
     assert "passes that guard earlier" in message
     assert message.endswith("--set events.GR=switch goes on to orbits of another signature.")
     assert "ignore" not in message
 
 
-@pytest.mark.parametrize("of", ["interior", "terminal"])
-def test_no_way_is_promised_where_there_is_none(of):
+@pytest.mark.parametrize("final", [False, True])
+def test_no_way_is_promised_where_there_is_none(final):
     """A terminal limit of a curve in two parameters once ended in "To go on ."."""
-    message = limit(OfACurve(), of, "stop", WORDS).message
+    message = limit(OfACurve(), final, "stop", WORDS).message
     assert "To go on" not in message
     assert message.endswith(".")
     assert not message.endswith(" .")
