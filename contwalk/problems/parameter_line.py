@@ -16,9 +16,9 @@ from contwalk.system import System
 Ends = tuple[Mapping[str, float], Mapping[str, float]]
 
 
-def in_words(name: str, value: float, error: float | None) -> str:
+def in_words(name: str, value: float, error: float | None, digits: int = 10) -> str:
     """A number that has a name, with its error where one is given."""
-    return f"{name} = {value:.10g}" + ("" if error is None else f" +- {error:.1e}")
+    return f"{name} = {value:.{digits}g}" + ("" if error is None else f" +- {error:.1e}")
 
 
 @dataclass(frozen=True)
@@ -123,9 +123,9 @@ class ParameterLine:
         each = zip(self.parameters, self.base.tolist(), self.direction.tolist(), strict=True)
         return {name: begin + coordinate * change for name, begin, change in each}
 
-    def described(self, coordinate: float, error: float | None = None) -> str:
+    def described(self, coordinate: float, error: float | None = None, digits: int = 10) -> str:
         """A place on the line in words, with its error: `a = 0.5 +- 1e-9`, or how far along a path."""
-        return in_words(self.free, coordinate, error)
+        return in_words(self.free, coordinate, error, digits)
 
     def place(self, at: float | None) -> float:
         """The coordinate of a start: as given, or of the point that the line was made from."""

@@ -39,11 +39,11 @@ class LineInPlane(ParameterLine):
         known = dict(self.rates)
         return np.array([known.get(name, 0.0) for name in self.parameters])
 
-    def described(self, coordinate: float, error: float | None = None) -> str:
+    def described(self, coordinate: float, error: float | None = None, digits: int = 10) -> str:
         """A place on the line in words: the values of both parameters there, with their errors."""
         values = self.at(coordinate)
         errors = {name: None if error is None else abs(rate) * error for name, rate in self.rates}
-        return ", ".join(in_words(name, values[name], errors[name]) for name, _ in self.rates)
+        return ", ".join(in_words(name, values[name], errors[name], digits) for name, _ in self.rates)
 
     @cached_property
     def moving(self) -> tuple[int, ...]:

@@ -124,21 +124,21 @@ def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     if law is None:
         return None
     near = _approached(problem, law.limit, (a, b), wanted) or _extrapolated(problem, law.limit, b)
+    line, digits = problem.line, _digits(near)
+    last = line.described(near.last, None, digits).removeprefix(f"{line.free} = ")
     return Outcome(
         "stopped",
         "homoclinic",
         f"The period runs off ({problem.system.lasting(b.period, '.4g')} here) while the orbit creeps past "
-        f"{law.where}: {_of_what(problem.eventful)} at "
-        f"{problem.free} = {_written(near.value, near.error)} +- {near.error:.1e}, by extrapolation from "
-        f"{_written(near.last, near.error)}, where the period is "
+        f"{law.where}: {_of_what(problem.eventful)} at {line.described(near.value, near.error, digits)}, "
+        f"by extrapolation from {last}, where the period is "
         f"{problem.system.lasting(near.period, '.4g')}.{_doubt(b)} Nothing to do.",
     )
 
 
-def _written(value: float, error: float) -> str:
-    """A number with two digits more than its error leaves, and twelve at least."""
-    digits = 12 if error >= 1e-10 * abs(value) else 16
-    return f"{value:.{digits}g}"
+def _digits(near: _Approached) -> int:
+    """Two digits more than an error leaves, and twelve at least."""
+    return 12 if near.error >= 1e-10 * abs(near.value) else 16
 
 
 def _approached(

@@ -43,6 +43,10 @@ def test_the_limit_is_given_with_an_error_that_covers():
     assert error <= 1e-10 * value  # orbits of longer periods are followed until rounding is left
 
 
+# Where the stable and the unstable manifold of the saddle of the next model meet, by SciPy's DOP853 to 1e-13.
+MEETING = -0.4295058488773843
+
+
 def takens(t, x, p, dx):
     """Unfolding of a Bogdanov-Takens point: cycles around (1, 0) end at the saddle (0, 0)."""
     dx[0] = x[1]
@@ -58,8 +62,25 @@ def test_a_limit_nearer_than_what_the_steps_of_the_walk_tell_is_found_on_finer_o
     assert cycle.outcome.reason == "homoclinic", cycle.outcome
     assert [p.label for p in cycle.special_points] == ["EP"]
     value, error = claimed(cycle)
-    # Where the stable and the unstable manifold of the saddle meet, by SciPy's DOP853 to 1e-13.
-    assert abs(value + 0.4295058488773843) <= error < 1e-8
+    assert abs(value - MEETING) <= error < 1e-8
+
+
+def takens_in_the_plane(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = x[0] - x[0] ** 2 + p.b * x[1] + p.c * x[0] * x[1]
+
+
+def test_a_curve_in_two_parameters_tells_the_limit_in_both():
+    """It was told along the line through its last two orbits: `path = 1.075 +- 2.4e+09`."""
+    problem = small_problem(takens_in_the_plane, "xy", {"b": -0.48, "c": 0.48}, "b")
+    equilibria = cw.continue_branch(problem, [1.0, 0.0], (-0.6, 0.0))
+    marked = {"marks": {"b": [MEETING]}}
+    cycle = cw.switch_branch(problem, equilibria, "HB1", (-0.6, 0.0), **marked)
+    curve = cw.continue_locus(problem.system, cycle, "UZ1", {"b": (-0.6, 0.0), "c": (0.4, 0.7)})
+    assert curve.outcome.reason == "homoclinic", curve.outcome
+    found = re.search(r"orbit at b = (\S+) \+- \S+, c = (\S+) \+- (\S+), by", curve.outcome.message)
+    assert float(found[1]) == pytest.approx(MEETING, rel=1e-11)
+    assert abs(float(found[2]) - 0.5) <= float(found[3]) < 1e-6
 
 
 def leaf(t, x, p, dx):
