@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from contwalk.problems.locus.orbit_points.crossing import Crossing
 from contwalk.problems.locus.orbit_points.cubic import Chenciner, GeneralizedDoubling
 from contwalk.problems.locus.orbit_points.cusp import CuspOfCycles
 from contwalk.problems.locus.orbit_points.degenerate_grazing import DegenerateGrazing
 from contwalk.problems.locus.orbit_points.halves import R2OfHalves, TwoOfHalves
 from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
-from contwalk.problems.locus.orbit_points.marked_value import CountChange, Crossing, EndPoint, MarkedValue
+from contwalk.problems.locus.orbit_points.marked_value import CountChange, EndPoint, MarkedValue
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
 from contwalk.problems.locus.orbit_points.resonances import (
     R3,

@@ -9,16 +9,24 @@ vectors, so that Newton's method is one with nearly exact slopes: where it ends 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from contwalk.errors import NotFinite, PluginError
+from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.problem import Located, Sample
+from contwalk.problems.problem import Located, Sample, Test
 
 # How far along a vector of length one, in the metric, DF is looked at for its slope.
 BESIDE = 1e-4
+# How far along the curve on both sides, in the metric, what it holds is looked at for its units.
+ASIDE = 0.1
+# How far, in the metric, and how often a located point is displaced to see noise of its equations, which is
+# farther than differences of rounded numbers stand still; the error is so many times what is seen.
+NUDGE, NUDGES, TIMES = 1e-7, 4, 4.0
 # Where a located point keeps the tangents of both curves.
 WAYS = "crossing"
 
@@ -46,13 +54,83 @@ class Borders:
         return both[-1], both[:-1].T, adjoint[:-2]
 
 
+class Crossing(OrbitLocusPoint):
+    """Two curves of one kind cross."""
+
+    label, test, changes, singular = "BP", Test.ORIENTATION, (-1, 0, 1), True
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """Where the curve's equations lose rank."""
+        return crossing_near(problem, sample)
+
+    def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
+        """That of the curve that `near` is on. Shape (N + k + 2,)."""
+        return tangent_through(located, near)
+
+
 def borders(problem: Any, sample: Sample) -> Borders:
     """Borders from the singular vectors of DF near a sample."""
-    scaled = problem.linearize(sample.z).jacobian * sample.weights
-    rows = np.abs(scaled).max(axis=1)
-    rows = np.where(rows > 0.0, rows, 1.0)
+    scaled, rows = problem.linearize(sample.z).jacobian * sample.weights, units(problem, sample)
     u, _, vh = np.linalg.svd(scaled / rows[:, None])
     return Borders(rows, sample.weights, u[:, -1], vh[-2:])
+
+
+def units(problem: Any, sample: Sample) -> np.ndarray:
+    """Units of the curve's equations, shape (W - 1,).
+
+    Their own rows would not do: one that vanishes where curves cross is the critical one. What the curve
+    holds has no units of its own: they are what it changes by near the sample, not only at it.
+    """
+    orbit, n = problem.plane.first(sample.z)[0], problem.plane.size
+    places = (sample.z + side * ASIDE * sample.tangent for side in (-1.0, 0.0, 1.0))
+    slopes = [np.abs(problem.linearize(z).jacobian[n:] * sample.weights).max(axis=1) for z in places]
+    largest = np.nanmax(slopes, axis=0)
+    return np.append(orbit.equation_scales, np.where(largest > 0.0, largest, 1.0))
+
+
+def crossing_near(
+    problem: Any, sample: Sample, further: Callable[[Any, np.ndarray], dict[str, Any]] | None = None
+) -> Located | None:
+    """The point near a sample at which two curves of the problem cross.
+
+    `further` are vectors to be told of it beside the tangents of both, by the problem and the unknowns, shape
+    (W + 1,).
+    """
+    try:
+        system = crossing_system(problem, sample)
+        told = system.vectors
+        if further is not None:
+            system = replace(system, vectors=lambda at, y: {**told(at, y), **further(at, y)})
+        found: Located | None = problem.located(system, sample)
+    except (NotFinite, PluginError, np.linalg.LinAlgError):
+        return None
+    if found is None or found.refine is None:
+        return found
+    refine = found.refine
+
+    def refined() -> Located | None:
+        finer = refine()
+        return None if finer is None else _doubted(finer, system)
+
+    return replace(found, refine=refined)
+
+
+def _doubted(found: Located, system: Augmented) -> Located:
+    """A point whose errors tell what is left of its equations, and what noise of the corners does to it.
+
+    Their slopes are differences, and along a marked value DF is one of differences itself.
+    """
+    there, y = found.problem, np.append(found.z, 0.0)
+    residual, jacobian = system.evaluate(there, y)
+    noise = np.abs(residual)
+    for k in range(1, NUDGES + 1):
+        nudge = NUDGE * system.scale * np.cos(k * np.arange(1.0, len(y) + 1.0))
+        left = system.evaluate(there, y + nudge)[0] - residual - jacobian @ nudge
+        noise[-2:] = np.maximum(noise[-2:], np.abs(left[-2:]))
+    doubt = TIMES * np.abs(np.linalg.inv(jacobian * system.scale) * system.scale[:, None]) @ noise
+    known = found.vectors["errors"]
+    errors = {name: known[name] + float(doubt[-2 - k]) for k, name in enumerate(there.line.names)}
+    return replace(found, error=errors[there.line.free], vectors={**found.vectors, "errors": errors})
 
 
 def crossing_system(problem: Any, sample: Sample) -> Augmented:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import NotFinite, PluginError
 from contwalk.labels import OF_LOCI
 from contwalk.problems.hybrid import limits_in_words
 from contwalk.problems.hybrid.soft_equations import SoftEquations
@@ -79,20 +77,14 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
 
     def _at_crossing(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The point near a sample at which curves cross, if the limit is met there."""
-        try:
-            system = crossing.crossing_system(problem, sample)
-        except (NotFinite, PluginError, np.linalg.LinAlgError):
-            return None
 
         def vectors(at: Any, y: np.ndarray) -> dict[str, Any]:
             leg = at.limited.limits[which].own.leg
-            lasting = float(y[at.orbit.layout.durations][leg])
-            return {**system.vectors(at, y), "limit": which, "seconds": lasting}
+            return {"limit": which, "seconds": float(y[at.orbit.layout.durations][leg])}
 
-        found = problem.located(replace(system, vectors=vectors), sample)
-        if found is None or not abs(problem.margins(found.z).relative[which]) < MET:
-            return None
-        return cast(Located, found)
+        found = crossing.crossing_near(problem, sample, vectors)
+        met = found is not None and abs(problem.margins(found.z).relative[which]) < MET
+        return found if met else None
 
     def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
         """That of the curve that `near` is on, where curves cross. Shape (N + k + 2,)."""

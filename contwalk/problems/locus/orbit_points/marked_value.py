@@ -1,5 +1,4 @@
-"""Points of curves of orbits that no equation of their own locates: marks, ends, crossings, changes of a
-count."""
+"""Points of curves of orbits that no equation of their own locates: marks, ends, changes of a count."""
 
 from __future__ import annotations
 
@@ -19,12 +18,6 @@ class EndPoint(OrbitLocusPoint):
     """The curve ends."""
 
     label, test = "EP", Test.END
-
-
-class Crossing(OrbitLocusPoint):
-    """Two curves of one kind cross; it is told between the solutions that show it, and not located."""
-
-    label, test, changes, singular = "BP", Test.ORIENTATION, (-1, 0, 1), True
 
 
 class CountChange(OrbitLocusPoint):

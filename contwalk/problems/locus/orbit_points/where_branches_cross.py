@@ -17,7 +17,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.marked_value import Crossing
+from contwalk.problems.locus.orbit_points.crossing import Crossing
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, known_to, together
 from contwalk.problems.locus.orbit_points.switching import born, both_born, crossing_born, second_cosine
 from contwalk.problems.locus.orbit_points.two_at_once import BRANCH_POINT, TwoAtOnce

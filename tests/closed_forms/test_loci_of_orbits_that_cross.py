@@ -1,0 +1,68 @@
+"""Curves of special points of orbits that cross where a product of two functions of both parameters is zero.
+
+The walk went on along the other curve, round the corner and in silence, or told the point as not located.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hybrid_runs import branch_of
+from loci_of_orbits import FINE, WALKED, assert_at, labels, largest, map_as_machine, orbits
+from small_systems import small_system
+
+import contwalk as cw
+from contwalk.branch import Branch
+
+pytestmark = pytest.mark.slow
+
+RANGES = {"lam": (-0.5, 0.6), "nu": (-0.3, 0.7)}
+VALUES = {"lam": 0.16, "nu": 0.3}
+
+
+def product(p, bend: float):
+    """Zero on the curve lam = -bend nu^2, and on the line nu = bend lam."""
+    return (p.lam + bend * p.nu**2) * (p.nu - bend * p.lam)
+
+
+def assert_crossed(curve: Branch, bend: float, most: int = 60) -> None:
+    """The whole of the first curve, in so many points, and where the line crosses it."""
+    assert curve.outcome.reason == "bound"
+    assert (curve["nu"].min(), curve["nu"].max()) == (-0.3, 0.7)
+    assert largest(curve["lam"] + bend * curve["nu"] ** 2) < WALKED
+    assert labels(curve) == ["BP"]
+    assert_at(curve, "BP", [(0.0, 0.0)])
+    assert len(curve) < most
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.2])
+def test_folds_of_a_map(bend) -> None:
+    system = map_as_machine(lambda x, p: (x[0] + product(p, bend) - x[0] ** 2,), "x", VALUES)
+    start = [np.sqrt((0.16 + bend * 0.09) * (0.3 - bend * 0.16))]
+    branch = branch_of(system, "lam", (-0.3, 0.5), start)
+    assert_crossed(cw.continue_locus(system, branch, "LP1", RANGES, **FINE), bend)
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.2])
+def test_a_marked_value_of_a_map(bend) -> None:
+    """The gradient of what is held vanishes there, and is one of differences: steps are short beside it."""
+    system = map_as_machine(lambda x, p: (0.5 * x[0] + product(p, bend) + 1.0,), "x", VALUES)
+    start = [2.0 + 2.0 * (0.16 + bend * 0.09) * (0.3 - bend * 0.16)]
+    branch = branch_of(system, "lam", (-0.3, 0.5), start, marks={"max:x": [2.0]})
+    assert_crossed(cw.continue_locus(system, branch, "UZ1", RANGES, **FINE), bend, most=400)
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.2])
+def test_folds_of_cycles(bend) -> None:
+    """Of the unit circle, gone round in pi, with z' = g (lam, nu) - z^2 across it."""
+
+    def field(t, x, p, dx):
+        g = 1.0 - x[0] ** 2 - x[1] ** 2
+        dx[0] = g * x[0] - 2.0 * x[1]
+        dx[1] = 2.0 * x[0] + g * x[1]
+        dx[2] = product(p, bend) - x[2] ** 2
+
+    system = small_system(field, "xyz", VALUES)
+    start = [1.0, 0.0, np.sqrt((0.16 + bend * 0.09) * (0.3 - bend * 0.16))]
+    branch = cw.continue_branch(orbits(system, "lam"), start, (-0.3, 0.5), period=np.pi)
+    assert_crossed(cw.continue_locus(system, branch, "LP1", RANGES, **FINE), bend)
