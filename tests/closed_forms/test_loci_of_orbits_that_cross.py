@@ -8,7 +8,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hybrid_runs import branch_of
-from loci_of_orbits import FINE, WALKED, assert_at, labels, largest, map_as_machine, orbits
+from loci_of_orbits import (
+    FINE,
+    WALKED,
+    assert_at,
+    labels,
+    largest,
+    map_as_machine,
+    map_plugin,
+    orbits,
+    studied,
+)
 from small_systems import small_system
 
 import contwalk as cw
@@ -66,3 +76,27 @@ def test_folds_of_cycles(bend) -> None:
     start = [1.0, 0.0, np.sqrt((0.16 + bend * 0.09) * (0.3 - bend * 0.16))]
     branch = cw.continue_branch(orbits(system, "lam"), start, (-0.3, 0.5), period=np.pi)
     assert_crossed(cw.continue_locus(system, branch, "LP1", RANGES, **FINE), bend)
+
+
+RUN = """
+contwalk: 1
+system: ./crossed.py
+accuracy: 1e-9
+start: {simulate: {state: {x: 0.21, y: 0.0}, until: 0}}
+continue: {parameter: lam, range: [-0.3, 0.5]}
+diagram: {follow: none}
+loci: {with: nu, range: [-0.3, 0.7], of: [LP], follow: all}
+engine: {max_step: 0.4, max_share: 0.1}
+figures: []
+"""
+
+
+def test_the_other_curve_is_followed_from_there(tmp_path) -> None:
+    images = ("x[0] + (p.lam + 0.2 * p.nu**2) * (p.nu - 0.2 * p.lam) - x[0] ** 2", "0.5 * x[1]")
+    _, branches, _ = studied(tmp_path, "crossed", map_plugin("crossed", images, VALUES), RUN)
+    curves = [b for b in branches if b.info.problem == "locus"]
+    assert [labels(curve) for curve in curves] == [["BP"], []]
+    assert_at(curves[0], "BP", [(0.0, 0.0)])
+    assert largest(curves[0]["lam"] + 0.2 * curves[0]["nu"] ** 2) < WALKED
+    assert largest(curves[1]["nu"] - 0.2 * curves[1]["lam"]) < WALKED
+    assert (curves[1]["lam"].min(), curves[1]["lam"].max()) == (-0.3, 0.5)

@@ -9,16 +9,18 @@ vectors, so that Newton's method is one with nearly exact slopes: where it ends 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
+from contwalk.problems.locus.orbit_points.switching import crossing_born
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 # How far along a vector of length one, in the metric, DF is looked at for its slope.
 BESIDE = 1e-4
@@ -66,6 +68,10 @@ class Crossing(OrbitLocusPoint):
     def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
         """That of the curve that `near` is on. Shape (N + k + 2,)."""
         return tangent_through(located, near)
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve that crosses."""
+        return crossing_born(problem, point)
 
 
 def borders(problem: Any, sample: Sample) -> Borders:
