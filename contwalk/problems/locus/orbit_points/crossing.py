@@ -18,7 +18,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
-from contwalk.problems.locus.orbit_points.switching import crossing_born
+from contwalk.problems.locus.orbit_points.switching import crossing_born, where_two_cross
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
@@ -154,7 +154,7 @@ def crossing_system(problem: Any, sample: Sample) -> Augmented:
         return np.concatenate([own.residual + y[width] * column, corners]), jacobian
 
     def vectors(there: Any, y: np.ndarray) -> dict[str, Any]:
-        return {WAYS: ways(there, y[:width], held)}
+        return {WAYS: where_two_cross(there, y[:width], held.columns, held.rows)}
 
     start, scale = np.append(sample.z, 0.0), np.append(sample.weights, 1.0)
     return Augmented(evaluate, start, scale, vectors)
@@ -171,32 +171,14 @@ def slope(there: Any, z: np.ndarray, held: Borders, p: np.ndarray, q: np.ndarray
     return change * float(np.linalg.norm(q)) / (2.0 * BESIDE)
 
 
-def ways(there: Any, z: np.ndarray, held: Borders) -> np.ndarray:
-    """Tangents of both curves that cross at z, of length one in the metric, shape (2, W); none, (0, W).
-
-    They are the directions in the plane of both null vectors along which p F changes by less than a square.
-    """
-    _, vectors, p = held.told(there.linearize(z).jacobian)
-    slopes = np.array([slope(there, z, held, p, q) for q in vectors]) * held.columns
-    form = slopes @ vectors.T
-    a, b, c = form[0, 0], 0.5 * (form[0, 1] + form[1, 0]), form[1, 1]
-    square = b * b - a * c
-    if not square > 0.0:
-        return np.zeros((0, len(z)))
-    root = -(b + np.copysign(np.sqrt(square), b))
-    shares = np.array([[root, a], [c, root]])
-    found = shares @ vectors
-    return found / np.linalg.norm(found, axis=1)[:, None] * held.columns
-
-
 def tangent_through(located: Located, near: Sample) -> np.ndarray | None:
     """Of the tangents of the curves that cross at a point that of the one that `near` is on, facing its way.
 
     Shape (W,). None of a point at which no curves cross.
     """
     found = located.vectors.get(WAYS)
-    if found is None or not len(found):
+    if not found:
         return None
-    products = (found / near.weights) @ (near.tangent / near.weights)
+    products = [float((t / near.weights) @ (near.tangent / near.weights)) for t in found]
     best = int(np.argmax(np.abs(products)))
     return np.asarray(found[best] * np.sign(products[best]))

@@ -91,7 +91,7 @@ def crossing_born(problem: Any, point: SpecialPoint) -> list[Seed]:
         return problem.curve, problem.further(np.array(point.unknowns))
 
     def other(curve: Any, place: np.ndarray, scale: np.ndarray) -> list[np.ndarray]:
-        found = _where_two_cross(curve, place, scale)
+        found = where_two_cross(curve, place, scale)
         return sorted(found, key=lambda t: abs(float((t / scale) @ (known / scale))))[:1]
 
     return _begun(problem, point, own, other)
@@ -100,17 +100,21 @@ def crossing_born(problem: Any, point: SpecialPoint) -> list[Seed]:
 def both_born(problem: Any, point: SpecialPoint, label: str, cosine: float | None = None) -> list[Seed]:
     """Both curves of a kind, as of `born`, through a point at which two cross."""
     further = np.zeros(0) if cosine is None else np.array([cosine])
-    return _begun(problem, point, lambda there, near: (CURVES[label], further), _where_two_cross)
+    return _begun(problem, point, lambda there, near: (CURVES[label], further), where_two_cross)
 
 
-def _where_two_cross(curve: Any, z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
+def where_two_cross(
+    curve: Any, z: np.ndarray, weights: np.ndarray, units: np.ndarray | None = None
+) -> list[np.ndarray]:
     """Tangents of both curves through a point, units in the metric; none where they are not told apart.
 
     With psi DG = 0 they are those solutions of DG t = 0 for which psi.D2G(t, t) = 0. All have the shape
-    (N + k + 2,); the second derivatives are differences of slopes.
+    (N + k + 2,); the second derivatives are differences of slopes. `units` are those of the equations, shape
+    (N + k + 1,), where those of what the curve holds are known.
     """
-    rows = np.ones(len(z) - 1)
-    rows[: curve.plane.size] = curve.orbit.equation_scales
+    rows = np.ones(len(z) - 1) if units is None else units
+    if units is None:
+        rows[: curve.plane.size] = curve.orbit.equation_scales
 
     def slopes(place: np.ndarray) -> np.ndarray:
         return np.asarray(curve.jacobian(place) / rows[:, None] * weights)
