@@ -100,3 +100,24 @@ def test_the_other_curve_is_followed_from_there(tmp_path) -> None:
     assert largest(curves[0]["lam"] + 0.2 * curves[0]["nu"] ** 2) < WALKED
     assert largest(curves[1]["nu"] - 0.2 * curves[1]["lam"]) < WALKED
     assert (curves[1]["lam"].min(), curves[1]["lam"].max()) == (-0.3, 0.5)
+
+
+def test_units_make_no_difference() -> None:
+    """Parameters of the sizes 1e8 and 1e-8, a state of 1e-6: as many points, and errors of the same parts."""
+    large, small, size = 1e8, 1e-8, 1e-6
+
+    def fixed(p):
+        lam, nu = p.lam / large, p.nu / small
+        return size * (lam + 0.2 * nu**2) * (nu - 0.2 * lam)
+
+    values = {"lam": 0.16 * large, "nu": 0.3 * small}
+    system = map_as_machine(lambda x, p: (x[0] + fixed(p) - x[0] ** 2 / size,), "x", values, size)
+    start = [size * np.sqrt((0.16 + 0.2 * 0.09) * (0.3 - 0.2 * 0.16))]
+    branch = branch_of(system, "lam", (-0.3 * large, 0.5 * large), start)
+    ranges = {"lam": (-0.5 * large, 0.6 * large), "nu": (-0.3 * small, 0.7 * small)}
+    curve = cw.continue_locus(system, branch, "LP1", ranges, **FINE)
+    (point,) = [p for p in curve.special_points if p.label == "BP"]
+    assert point.status == "located"
+    for name, unit in (("lam", large), ("nu", small)):
+        assert abs(point.parameters[name]) <= point.errors[name] < 1e-11 * unit
+    assert len(curve) < 60
