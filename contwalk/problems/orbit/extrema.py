@@ -149,13 +149,9 @@ def with_extrema(
 
     Times have the shape (k,), states (k, n), before and after; `at` has states at times in growing order.
     """
-    indices = np.concatenate([states.argmax(axis=0), states.argmin(axis=0)])
-    which = np.tile(np.arange(states.shape[1]), 2)
-    inside = (indices > 0) & (indices < len(times) - 1)
-    indices, which = indices[inside], which[inside]
-    if not len(indices):
+    best, width, which = _peaks(times, states)
+    if not len(best):
         return times, states
-    best, width = times[indices], 0.5 * (times[indices + 1] - times[indices - 1])
     for _ in range(PASSES):
         offsets = np.array([-1.0, 0.0, 1.0])
         instants = np.clip(best[:, None] + width[:, None] * offsets, times[0], times[-1])
@@ -168,7 +164,34 @@ def with_extrema(
         shift = np.divide(-slope, bend, out=np.zeros_like(slope), where=bend != 0.0)
         best = np.clip(best + width * np.clip(shift, -1.0, 1.0), times[0], times[-1])
         width = NARROWER * width
-    best = np.sort(best)
+    best = np.setdiff1d(best, times)
     every = np.concatenate([times, best])
     order = np.argsort(every, kind="stable")
     return every[order], np.concatenate([states, at(best)])[order]
+
+
+def _peaks(times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where a state, (k, n), may be at its largest or least: instants, how far beside, and which state, (m,).
+
+    Of peaks of almost one height the largest sample need not be at the highest: each counts whose sample is
+    below the largest one by no more than the peak may rise above it. One at an end may be a peak within the
+    first or last step; a motion that goes on may have turned there.
+    """
+    indices, which, (count, n) = [], [], states.shape
+    beyond = np.full((1, n), np.inf)
+    way = np.abs(np.diff(states, axis=0))
+    # How far it goes within the steps beside each sample; at an end within the two next to it.
+    steep = np.maximum(
+        way[np.r_[min(1, count - 2), 0 : count - 1]], way[np.r_[0 : count - 1, max(count - 3, 0)]]
+    )
+    for x in (states, -states):
+        step = np.diff(x, axis=0)
+        rises, falls = np.concatenate([beyond, step]) > 0.0, np.concatenate([-step, beyond]) >= 0.0
+        k, j = np.nonzero(rises & falls & (steep > 0.0) & (x + 0.5 * steep >= x.max(axis=0)))
+        indices.append(k)
+        which.append(j)
+    k = np.concatenate(indices)
+    before, after = times[np.maximum(k - 1, 0)], times[np.minimum(k + 1, count - 1)]
+    inside = (k > 0) & (k < count - 1)
+    middle = np.where(inside, times[k], 0.5 * (before + after))
+    return middle, 0.5 * (after - before), np.concatenate(which)
