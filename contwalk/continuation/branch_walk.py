@@ -50,7 +50,7 @@ class BranchWalk:
     def signs(self, start: Start) -> tuple[float, ...]:
         """The directions that the branch of a start is walked in, the first one first."""
         if start.parent is None:
-            return self._plan.directions
+            return self._plan.directions if start.depth == 0 else (1.0, -1.0)
         one_sided = isinstance(start.opening, Opening) and start.opening.one_sided
         return (1.0,) if one_sided else (1.0, -1.0)
 

@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.branch import Branch, BranchInfo
+from contwalk.branch import Branch, BranchInfo, Outcome
+from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.labels import FOLLOWED
+from contwalk.problems.problem import Problem
 from contwalk.special_point import SpecialPoint
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What a diagram covers: the labels that are followed, how deep, and the directions from a start."""
+    """What a diagram covers: the labels that are followed, how deep, and the directions from a start.
+
+    `parent` begins the branch that one without a known parent has returned to at a point; None where there is
+    no such.
+    """
 
     settings: Settings
     follow: frozenset[str] = FOLLOWED
     depth: int = 5
     directions: tuple[float, ...] = (1.0, -1.0)
+    parent: Callable[[Problem, SpecialPoint, Settings], Opening | Outcome | None] = lambda *_: None
 
 
 @dataclass(frozen=True)

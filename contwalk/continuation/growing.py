@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain, repeat
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import control, outcomes
@@ -14,7 +15,7 @@ from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
-from contwalk.labels import OF_LOCI
+from contwalk.labels import END, OF_LOCI
 from contwalk.problems.problem import LimitType, PointType, Problem, Seed
 
 
@@ -25,20 +26,25 @@ def grown(
     if start.depth >= plan.depth:
         return
     number = 0
+    # Where a branch that left no other one returns to its parent, that is not known: a start like others.
+    returned = {p.index for p in special_points if p.label == END and p.kind == "rejoined"}
+    parents = returned if start.parent is None else set()
     for point in special_points:
         kind = kind_of(problem, point)
         if kind is None or not _followed(plan, kind) or point.status != "located":
             continue
         if start.parent is not None and abs(point.s) < 1e-9:
             continue  # the point that this branch itself was born at
-        for opening in _openings(plan, problem, kind, point):
+        above = _parent(plan, problem, point) if point.index in parents else ()
+        below = _openings(plan, problem, kind, point)
+        for opening, daughter in chain(zip(below, repeat(True)), zip(above, repeat(False))):
             yield replace(
                 start,
                 opening=opening,
                 origin=f"{name}/{point.name}",
-                parent=(name, point.s),
+                parent=(name, point.s) if daughter else None,
                 depth=start.depth + 1,
-                leaves=kind,
+                leaves=kind if daughter else None,
                 orbit=start.orbit or problem.meshed is not None or kind.births,
                 number=(*start.number, number) if start.number else (),
             )
@@ -65,6 +71,18 @@ def _openings(
                 yield outcomes.no_start(state.reason, state.sentence)
     except outcomes.BREAKDOWNS as error:
         yield outcomes.broken_by(error, f"The branch that leaves {point.name} cannot be begun")
+
+
+def _parent(plan: Plan, problem: Problem, point: SpecialPoint) -> Iterator[Opening | Outcome]:
+    """The branch that one has returned to at a point."""
+    try:
+        found = plan.parent(problem, point, plan.settings)
+    except outcomes.BREAKDOWNS as error:
+        found = outcomes.broken_by(
+            error, f"The branch that has been returned to at {point.name} cannot be begun"
+        )
+    if found is not None:
+        yield found
 
 
 def _begun(seed: Seed, settings: Settings) -> ContinuationState | Correction:

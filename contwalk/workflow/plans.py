@@ -6,11 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation.ahead import Task
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.events import Plan
+from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.problems.orbit.discretization import OF_ORBITS, Discretization, of_orbits
+from contwalk.problems.problem import Problem
 from contwalk.workflow.run_file.reading import RunFile
 from contwalk.workflow.starting import Place, places, starts
 
@@ -65,7 +68,13 @@ def coverage_of(run_file: RunFile) -> Plan:
     """What a run covers."""
     follow = frozenset[str]() if run_file.second is not None else run_file.follow
     directions = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}[run_file.direction]
-    return Plan(settings_of(run_file), follow, run_file.depth, directions)
+    return Plan(settings_of(run_file), follow, run_file.depth, directions, _parent_of)
+
+
+def _parent_of(problem: Problem, point: SpecialPoint, settings: Settings) -> Opening | Outcome | None:
+    from contwalk.studies.parents import parent_of  # compiled flows
+
+    return parent_of(problem, point, settings)
 
 
 def all_places(studies: Sequence[Study]) -> list[tuple[RunFile, Place]]:
