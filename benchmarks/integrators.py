@@ -65,24 +65,15 @@ def integrators() -> list[Integrator]:
 
 
 def _contwalk(method: str, orbit: Orbit, tolerance: float) -> Prepared:
-    """Steps chosen for the state, then differentiated."""
-    from contwalk.flow import adaptive, tangents
+    """Steps chosen for the state, and differentiated."""
+    from contwalk.flow import ErrorControl, Tangents, adaptive_with_tangents
 
-    n, c, weights = len(orbit.start), orbit.field.constants(orbit.parameters), _magnitudes(orbit)
-    identity, sources = np.eye(n), [-1] * n
+    n, c = len(orbit.start), orbit.field.constants(orbit.parameters)
+    given = ErrorControl(tolerance, _magnitudes(orbit)), Tangents(np.eye(n), [-1] * n), method
 
     def run() -> Result:
-        path = adaptive(
-            orbit.field,
-            c,
-            0.0,
-            orbit.start,
-            orbit.period,
-            tolerance=tolerance,
-            weights=weights,
-            method=method,
-        )
-        return tangents(orbit.field, c, path.times, orbit.start, identity, sources, method)
+        path, derivatives = adaptive_with_tangents(orbit.field, c, 0.0, orbit.start, orbit.period, *given)
+        return path.states[-1], derivatives
 
     return run
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.continuation.kinds import kind_of_test
+from contwalk.continuation.leading_eigenvalues import has_kink
 from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import LostBranch, Segment
@@ -17,7 +18,7 @@ from contwalk.continuation.settings import Mark
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.parameter_line import ParameterLine
-from contwalk.problems.problem import Located, Problem, Sample, Test, refined
+from contwalk.problems.problem import MAX_ABS, MAX_RE, Located, Problem, Sample, Test, refined
 
 # How near to a turn of the branch, in parts of the segment, no extremum is looked for.
 TURN = 1e-3
@@ -158,8 +159,10 @@ def _extrema(segment: Segment, name: str, low: float, high: float, observer: Obs
             rates[theta] = segment.problem.observed.rate(name, segment.at(theta))
         return rates[theta]
 
-    def flat(theta: float, left: float, right: float) -> float | None:
-        return theta if abs(rates[theta]) <= FLAT * max(abs(rates[low]), abs(rates[high])) else None
+    def decided(theta: float, left: float, right: float) -> float | None:
+        flat = abs(rates[theta]) <= FLAT * max(abs(rates[low]), abs(rates[high]))
+        kink = name in (MAX_RE, MAX_ABS) and has_kink(segment.at(left), segment.at(right))
+        return theta if flat or kink else None
 
     rates: dict[float, float] = {}
     try:
@@ -173,7 +176,7 @@ def _extrema(segment: Segment, name: str, low: float, high: float, observer: Obs
         if first * last >= 0.0 or max(abs(first), abs(last)) <= STILL * value:
             return []
         if rates[high] != 0.0:
-            narrow(rate, low, high, first, last, flat)
+            narrow(rate, low, high, first, last, decided)
         theta = min(rates, key=lambda t: abs(rates[t]))
         if abs(rates[theta]) > 1e-5 * min(abs(first), abs(last)):
             return []  # the rate jumps: a kink

@@ -15,6 +15,7 @@ from contwalk.flow.compiled.restricted import Restricted
 from contwalk.flow.integrate import (
     METHODS,
     adaptive,
+    adaptive_with_tangents,
     along,
     along_with_tangents,
     controlled,
@@ -25,7 +26,7 @@ from contwalk.flow.integrate import (
     tangents,
     warmup,
 )
-from contwalk.flow.path import ErrorControl, Path
+from contwalk.flow.path import ErrorControl, Path, Tangents
 
 __all__ = [
     "METHODS",
@@ -34,7 +35,9 @@ __all__ = [
     "Field",
     "Path",
     "Restricted",
+    "Tangents",
     "adaptive",
+    "adaptive_with_tangents",
     "along",
     "along_with_tangents",
     "controlled",

@@ -89,10 +89,49 @@ def controlled(
     ValueError
         As `adaptive`.
     """
+    return _family(method).adaptive(field, c, t0, x0, t1, _checked(control), method)
+
+
+def _checked(control: ErrorControl) -> ErrorControl:
     if not control.tolerance > 0.0:
         raise ValueError("the tolerance is positive")
-    control = control._replace(weights=np.ascontiguousarray(control.weights, dtype=float))
-    return _family(method).adaptive(field, c, t0, x0, t1, control, method)
+    return control._replace(weights=np.ascontiguousarray(control.weights, dtype=float))
+
+
+def adaptive_with_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    t0: float,
+    x0: Vector,
+    t1: float,
+    control: ErrorControl,
+    given: Tangents,
+    method: str = "dop853",
+) -> tuple[Path, np.ndarray]:
+    """The path of `controlled`, its steps chosen for the states alone, and the derivatives of its end.
+
+    They are those of `tangents` on its times, bitwise. Explicit methods take both in one pass: a path on
+    which derivatives overflow ends there, "not_finite", though its states may go on.
+
+    Parameters
+    ----------
+    given : Tangents
+        Derivatives of x0; an identity that nothing drives gives the monodromy matrix of a period.
+
+    Returns
+    -------
+    path : Path
+    tangents : ndarray, shape (n, q)
+
+    Raises
+    ------
+    ValueError
+        As `adaptive` and `tangents`.
+    """
+    if _family(method) is not explicit:
+        path = controlled(field, c, t0, x0, t1, control, method)
+        return path, tangents(field, c, path.times, x0, *given, method)[1]
+    return explicit.adaptive_with_tangents(field, c, t0, x0, t1, _checked(control), given, method)
 
 
 def along(

@@ -100,6 +100,22 @@ def test_no_columns(field):
     assert empty.shape == (3, 0)
 
 
+@pytest.mark.parametrize("method", [*EVERY_METHOD, "gauss4"])
+@pytest.mark.parametrize("columns", [0, 3, 5, 90])
+def test_a_path_with_its_tangents_in_one_pass(field, method, columns):
+    """The same steps, and the same derivatives of them, to the last bit; 90 columns go in a second pass."""
+    c, rng = field.constants(PARAMETERS), np.random.default_rng(7)
+    given = flow.Tangents(rng.normal(size=(3, columns)), ([0, 1, -1, -1, -1] * 18)[:columns])
+    there = field, c, 0.0, START, 1.5, flow.ErrorControl(1e-7, np.array([10.0, 10.0, 20.0]))
+    path = flow.controlled(*there, method)
+    _, expected = flow.tangents(field, c, path.times, START, *given, method)
+    found, derivatives = flow.adaptive_with_tangents(*there, given, method)
+    assert found.times.tobytes() == path.times.tobytes()
+    assert found.states.tobytes() == path.states.tobytes()
+    assert (found.status, found.rejected) == ("ok", path.rejected)
+    assert derivatives.tobytes() == expected.tobytes()
+
+
 def test_a_driven_tangent_of_a_forced_field():
     """x' = -x + a cos t from 0: dx/da = (cos t + sin t - exp(-t)) / 2."""
     from math import cos

@@ -14,7 +14,7 @@ from contwalk.flow.compiled.addresses import address
 from contwalk.flow.compiled.compiled_field import EACH, CompiledField
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.explicit import stages
-from contwalk.flow.explicit.batched_steps import MARCH_BATCHED, Paths, marched
+from contwalk.flow.explicit.batched_steps import MARCH_BATCHED, WORTH, Paths, marched
 from contwalk.flow.explicit.columns import aligned
 from contwalk.flow.explicit.driver_call import MARCH, Call, checked, method_of, times_of, undriven
 from contwalk.flow.explicit.explicit_call import (
@@ -61,6 +61,39 @@ def adaptive(
 ) -> Path:
     """As `integrate.adaptive`."""
     call = Call(field, c, method, x0)
+    path, _ = _controlled(call, t0, t1, bound)
+    call.over()
+    return path
+
+
+def adaptive_with_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    t0: float,
+    x0: Vector,
+    t1: float,
+    bound: ErrorControl,
+    given: Tangents,
+    method: str,
+) -> tuple[Path, np.ndarray]:
+    """As `integrate.adaptive_with_tangents`; of many tangents in two passes, the second one in lanes."""
+    start = _tangents(field, given.start)
+    q = start.shape[1]
+    if q == 0 or start.size >= WORTH:
+        path = adaptive(field, c, t0, x0, t1, bound, method)
+        return path, tangents(field, c, path.times, x0, given, method, every=False)[1]
+    call = Call(field, c, method, x0, q)
+    call.tangents(start, given.sources)
+    path, nodes = _controlled(call, t0, t1, bound)
+    _, derivatives = call.split(nodes[len(path.times) - 1])
+    derivatives = derivatives[:, :q].copy()
+    call.over()
+    return path, derivatives
+
+
+def _controlled(call: Call, t0: float, t1: float, bound: ErrorControl) -> tuple[Path, np.ndarray]:
+    """The path of a call's start, and the vectors at its times, shape (s, length), with room after them."""
+    n = call.field.n
     call.weigh(bound.weights)
     control, counts = StepControl(time=t0), Counts()
     call.controlled(control, counts)
@@ -77,16 +110,16 @@ def adaptive(
             break
         times = np.concatenate([times, np.empty(len(times))])
         nodes = np.concatenate([nodes, np.empty_like(nodes)])
-    call.over()
     steps = counts.steps
-    return Path(
+    path = Path(
         times=times[: steps + 1].copy(),
-        states=nodes[: steps + 1, : field.n].copy(),
+        states=nodes[: steps + 1, :n].copy(),
         evaluations=counts.evaluations,
         rejected=counts.rejected,
         stiff_fraction=counts.stiff / max(steps, 1),
         status=STATUS[answer],
     )
+    return path, nodes
 
 
 def along(field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str) -> np.ndarray:
