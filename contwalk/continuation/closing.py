@@ -14,28 +14,34 @@ FOUND_AGAIN = 1e-6
 CROSSINGS = (Test.ORIENTATION, Test.TOGETHER)
 
 
-def closes(segment: Segment, found: list[Found], origin: Sample) -> bool:
-    """Whether an accepted step, with what is special on it, passes a walk's beginning, the same way round."""
+def place_of_closure(segment: Segment, found: list[Found], origin: Sample) -> float | None:
+    """Where an accepted step, with what is special on it, passes a walk's beginning the same way round.
+
+    It is a place on the segment, 0..1, or None where the step does not.
+    """
     if segment.problem.meshed is not None:
-        return _comes_back(segment, origin) or _finds_again(segment, found, origin)
+        back = _comes_back(segment, origin)
+        return _finds_again(segment, found, origin) if back is None else back
     z = segment.problem.equivalence.nearest_turn(origin.z, segment.a.z)
     theta = segment.position(z)
     same_way = origin.tangent / origin.weights**2 @ segment.b.tangent > 0.0
     if not (0.0 < theta <= 1.0 and same_way):
-        return False
+        return None
     try:
         if origin.orientation == 0.0:
-            return passes_through(segment, z, origin.tangent, theta, BESIDE)
-        return segment.distance(z, theta) < NEAR
+            passed = passes_through(segment, z, origin.tangent, theta, BESIDE)
+        else:
+            passed = segment.distance(z, theta) < NEAR
     except LostBranch:
-        return False
+        return None
+    return float(theta) if passed else None
 
 
-def _comes_back(segment: Segment, origin: Sample) -> bool:
-    """Whether a segment of orbits, which begin anywhere on themselves, passes a given one."""
+def _comes_back(segment: Segment, origin: Sample) -> float | None:
+    """Where a segment of orbits, which begin anywhere on themselves, passes a given one."""
     a, b, value = segment.a.parameter, segment.b.parameter, origin.parameter
     if (a - value) * (b - value) > 0.0 or a == b or (b - a) * origin.tangent[-1] < 0.0:
-        return False
+        return None
     try:
         low, high, theta = 0.0, 1.0, (value - a) / (b - a)
         for _ in range(40):
@@ -46,22 +52,24 @@ def _comes_back(segment: Segment, origin: Sample) -> bool:
             slope = there.tangent[-1] / float(segment.normal @ there.tangent)
             theta += (value - there.parameter) / slope if slope else 0.0
             theta = theta if low < theta < high else 0.5 * (low + high)
-        return segment.problem.equivalence.same(origin, there)
+        return float(theta) if segment.problem.equivalence.same(origin, there) else None
     except LostBranch:
-        return False
+        return None
 
 
-def _finds_again(segment: Segment, found: list[Found], origin: Sample) -> bool:
-    """Whether a branch point located on the way is the orbit that the walk began with.
+def _finds_again(segment: Segment, found: list[Found], origin: Sample) -> float | None:
+    """The place of a branch point located on the way that is the orbit which the walk began with.
 
     A branch that leaves a pitchfork has the parameter's extremum there: when it comes back, the parameter
     touches the value that it began with and does not cross it.
     """
     near = FOUND_AGAIN * origin.weights[-1]
-    return any(
-        (each.located.problem or segment.problem).equivalence.same(origin, each.sample)
+    places = (
+        each.theta
         for each in found
         if each.kind != "unlocated"
         and each.type.test in CROSSINGS
         and abs(each.sample.parameter - origin.parameter) <= near
+        and (each.located.problem or segment.problem).equivalence.same(origin, each.sample)
     )
+    return next(places, None)

@@ -10,7 +10,7 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
-from contwalk.continuation.closing import closes
+from contwalk.continuation.closing import place_of_closure
 from contwalk.continuation.excursion import reentered
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
@@ -67,7 +67,7 @@ def walk(
     origin, number, point = begun or state, 0, (problem, state)
     try:
         while True:
-            taken: Step | None = None
+            closed: float | None = None
             before = _effort(problem)
             if outcome := _finished(problem, state, number, points, settings, observer):
                 back = _back(problem, state, settings, sign, outcome)
@@ -80,7 +80,11 @@ def walk(
                 if isinstance(step, Outcome):
                     outcome = step
                     break
+                if done + number + len(step.found) >= 3:
+                    closed = place_of_closure(step.segment, step.found, origin.sample)
                 for place, found in _on_the_way(step, state, sign):
+                    if closed is not None and found.theta > closed:
+                        break  # told already, where the walk began
                     record = found_record(step.segment.problem, found, place.s, sign)
                     yield Point(place, record)
                     number += 1
@@ -88,11 +92,10 @@ def walk(
                         place = replace(place, sample=replace(place.sample, unstable=found.after))
                         yield End(outcome, end_record(problem, place, outcome, sign, point=record))
                         return
-                taken = step
                 state = _arrived(problem, step, state, sign, settings, before, origin.sample)
             problem, state, point = yield from _taken_up(problem, state, settings)
             number += 1
-            if done + number > 3 and taken is not None and closes(taken.segment, taken.found, origin.sample):
+            if closed is not None:
                 outcome = outcomes.closed()
                 break
     except outcomes.BREAKDOWNS as error:

@@ -237,3 +237,25 @@ def test_a_quadratic_coefficient_that_is_rounding_divides_nothing() -> None:
     y = (1.0 / 3.0 + x) * (1.0 + 3.0 * x) / 5.0
     assert at(point, "k", "d") == pytest.approx([1.0 / 3.0 + 2.0 * x, 0.1 * y / (1.0 + 2.0 * y)], rel=1e-14)
     assert {"s", "theta", "E"}.isdisjoint(point.coefficients)
+
+
+def oscillator(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = p.push + p.softness * x[0] - x[0] ** 3 + (0.3 - x[0] ** 2) * x[1]
+
+
+def test_a_curve_on_which_a_velocity_is_zero_and_its_drag_vanishes_is_walked_in_few_steps() -> None:
+    """On it x^2 = 0.3: the velocity's drag is zero to rounding, and so is the velocity, exactly.
+
+    What one is divided by the other is no magnitude. The curve is push = x^3 - softness x.
+    """
+    problem = small_problem(oscillator, "xv", {"push": 0.0, "softness": 0.5}, "push")
+    branch = cw.continue_branch(problem, [0.7, 0.0], range=(-1.0, 1.0))
+    curve = cw.continue_locus(problem.system, branch, "HB1", {"push": (-1.0, 1.0), "softness": (-1.0, 1.0)})
+    assert curve.outcome.reason == "bound"
+    assert len(curve) < 300  # it has a GH, a BT and two ends, at each of which steps begin short
+    x = -math.sqrt(0.3)
+    # Newton's method ends at rounding of terms below one.
+    assert np.max(np.abs(curve["push"] - x**3 + curve["softness"] * x)) < 1e-15
+    (double,) = labelled(curve, "BT")
+    assert double.parameters["softness"] == pytest.approx(0.9, rel=1e-15)

@@ -83,6 +83,15 @@ def circle(t, x, p, dx):
     dx[0] = x[0] ** 2 + p.lam**2 - 1.0
 
 
+def test_what_lies_right_behind_the_start_of_a_closed_branch_is_told_once():
+    """Its last step ends beyond the start: both sides of the circle have the mark, each once."""
+    branch = cw.continue_branch(
+        small_problem(circle, "x", {"lam": 0.6}, "lam"), [0.8], (-2.0, 2.0), marks={"lam": [0.6001]}
+    )
+    assert branch.outcome.reason == "closed"
+    assert [p.label for p in branch.special_points] == ["UZ", "LP", "UZ", "LP", "EP"]
+
+
 def test_a_circle_of_equilibria_is_closed_with_two_folds():
     problem = small_problem(circle, "x", {"lam": 0.0}, "lam")
     branch = cw.continue_branch(problem, [1.0], (-2.0, 2.0))

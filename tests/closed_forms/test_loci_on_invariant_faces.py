@@ -87,6 +87,37 @@ def test_folds_that_touch_transcritical_points() -> None:
     assert point.coefficients["c"] == pytest.approx(-1.0, rel=1e-12)
 
 
+def hunted(t, x, p, dx):
+    """The demonstration pp2 of AUTO-07p: prey with a harvest, and predators that may be none."""
+    dx[0] = 3.0 * x[0] * (1.0 - x[0]) - x[0] * x[1] - p.p1 * (1.0 - np.exp(-5.0 * x[0]))
+    dx[1] = -x[1] + p.p4 * x[0] * x[1]
+
+
+@pytest.fixture(scope="module")
+def prey_alone() -> Branch:
+    """The branch without predators, with its fold and its branch point."""
+    problem = small_problem(hunted, ["u", "v"], {"p1": 0.0, "p4": 3.0}, "p1")
+    return cw.continue_branch(problem, [1.0, 0.0], range=(-0.1, 1.0))
+
+
+def test_branch_points_on_a_face_persist_whatever_rounding_leaves_of_what_is_zero_there(prey_alone) -> None:
+    """They are where u = 1 / p4; v is 1e-16 on the curve, and its equation has no terms but noise."""
+    system = small_problem(hunted, ["u", "v"], {"p1": 0.0, "p4": 3.0}, "p1").system
+    found = cw.continue_locus(system, prey_alone, "BP1", {"p1": (-0.1, 1.0), "p4": (1.5, 6.0)})
+    assert (found.outcome.reason, found["p4"].min(), found["p4"].max()) == ("bound", 1.5, 6.0)
+    u = 1.0 / found["p4"]
+    truth = 3.0 * u * (1.0 - u) / -np.expm1(-5.0 * u)
+    assert np.max(np.abs(found["p1"] - truth)) < 1e-14  # Newton's method ends at rounding of terms below 3
+
+
+def test_no_cubic_coefficient_is_told_where_the_eigenvalue_zero_is_a_double_one(prey_alone) -> None:
+    """Where the fold on the face meets the branch points p.q is zero: the coefficient was 5.9e16."""
+    system = small_problem(hunted, ["u", "v"], {"p1": 0.0, "p4": 3.0}, "p1").system
+    found = cw.continue_locus(system, prey_alone, "LP1", {"p1": (-0.1, 1.0), "p4": (1.5, 6.0)})
+    points = [p for p in found.special_points if p.label == "CP"]
+    assert [(p.kind, p.coefficients) for p in points] == [("branch point", {})]
+
+
 def flipping(x, p):
     """On the face y = 0 doublings where mu = 0, with the cubic coefficient 0.35 all along.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from made_up import MadeUp
 
-from contwalk.continuation.closing import closes
+from contwalk.continuation.closing import place_of_closure
 
 
 @dataclass
@@ -36,14 +36,14 @@ def at(problem, x):
 def test_a_step_over_the_parameter_of_the_beginning_passes_it():
     problem = cubic()
     segment = problem.segment(place(0.5), place(0.7))
-    assert closes(segment, [], at(problem, 0.6))
-    assert not closes(segment, [], at(problem, 0.8))
+    assert place_of_closure(segment, [], at(problem, 0.6)) is not None
+    assert place_of_closure(segment, [], at(problem, 0.8)) is None
 
 
 def test_a_step_the_other_way_does_not():
     problem = cubic()
     segment = problem.segment(place(0.7), place(0.5))
-    assert not closes(segment, [], at(problem, 0.6))
+    assert place_of_closure(segment, [], at(problem, 0.6)) is None
 
 
 def test_the_search_ends_where_it_is_there():
@@ -51,5 +51,5 @@ def test_the_search_ends_where_it_is_there():
     problem = cubic()
     segment = problem.segment(place(0.5), place(0.7))
     origin, before = at(problem, 0.6), problem.evaluated
-    assert closes(segment, [], origin)
+    assert place_of_closure(segment, [], origin) is not None
     assert problem.evaluated - before < 15

@@ -11,7 +11,7 @@ from made_up import LINE, MadeUp, at, circle, line, parabola, pitchfork
 
 from contwalk.branch import Outcome
 from contwalk.continuation import control
-from contwalk.continuation.closing import closes
+from contwalk.continuation.closing import place_of_closure
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
@@ -267,7 +267,7 @@ def test_a_walk_closes_where_it_comes_back_the_same_way_round():
     place, closed = origin, []
     for _ in range(60):
         step = take_step(problem, place, RANGE, OBSERVER)
-        closed.append(closes(step.segment, step.found, origin.sample))
+        closed.append(place_of_closure(step.segment, step.found, origin.sample) is not None)
         place = ContinuationState(step.there, 0.0, step.next_length)
         if closed[-1] and len(closed) > 3:
             break
@@ -277,7 +277,7 @@ def test_a_walk_closes_where_it_comes_back_the_same_way_round():
     assert not any(closed[:-1])
     # The same place the other way round is no closure: a branch that runs into itself crosses.
     against = here(problem, (1.0, 0.0), (0.0, -1.0))
-    assert not closes(step.segment, step.found, against.sample)
+    assert place_of_closure(step.segment, step.found, against.sample) is None
 
 
 def test_a_fold_and_a_branch_point_of_a_walk_come_in_their_order():

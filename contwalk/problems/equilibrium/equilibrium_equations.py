@@ -286,9 +286,14 @@ class EquilibriumEquations(Problem):
     ) -> np.ndarray:
         """Magnitudes with those looked at again that are far larger than what they are of.
 
-        These are parameters, and unknowns that may be noise of zero, where so little of them is much.
+        These are parameters, and unknowns that may be noise of zero, where so little of them is much; of
+        those that are zero exactly the ones with a slope that is noise.
         """
-        far &= (z != 0.0) | (np.arange(len(z)) >= self.size)
+        zero = np.flatnonzero(far[: self.states] & (z[: self.states] == 0.0))
+        if len(zero):  # of these many are in many machines
+            rounding = 2.0 * EPSILON * self.kernels.rounding_of_matrix(*self.inputs(z))[:, zero]
+            slopes = derivatives[: self.states, zero]
+            far[zero] = np.logical_or.reduce((slopes > 0.0) & (slopes <= NOISY * rounding), axis=0)
         far[self._declared] = False
         natural[far] = np.nan
         for i in np.flatnonzero(far):

@@ -15,6 +15,9 @@ from contwalk.problems.kink import Kink, Met
 from contwalk.problems.locus.persistence import NOTHING, not_persistent
 from contwalk.problems.sample import Sample
 
+# Unknowns this small against their magnitudes may be zero.
+NOISE = 1e-13
+
 
 @dataclass(frozen=True)
 class LocusDiagnosis:
@@ -62,9 +65,14 @@ class LocusDiagnosis:
         (condition,) = problem.augmented.conditions
         if condition.unfolding is None:
             return False
-        column = np.abs(condition.unfolding)
-        levels = problem.plane.linearize(problem.in_plane(z)).levels[0]
-        return not bool(np.all(abs(problem.own(z)) * column <= NOTHING * levels))
+        added, place = abs(problem.own(z)) * np.abs(condition.unfolding), problem.in_plane(z)
+        levels, magnitudes = problem.plane.linearize(place).levels
+        if np.all(added <= NOTHING * levels):
+            return False
+        # An equation of which nothing but noise of zero is left has no level: that of the others is what
+        # Newton's method ends at.
+        noise = np.abs(place) < NOISE * magnitudes
+        return not (np.any(noise[: problem.plane.size]) and np.all(added <= NOTHING * np.max(levels)))
 
     def _unfolded(self, b: Sample) -> Outcome | None:
         """The end where a branch point is none any more."""

@@ -136,7 +136,8 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
             magnitudes = np.insert(magnitudes, size, np.nan)  # an unfolding is zero; what it is is noise
         elif self.curve.pair:
             scaled = balanced(self.plane.jacobian(self.in_plane(z))[:, :size])[0]
-            least = LEAST_KAPPA * float(np.abs(scaled).max()) ** 2
+            largest = float(np.abs(scaled).max())
+            least = LEAST_KAPPA * largest * largest
             magnitudes = np.insert(magnitudes, size, max(abs(self.kappa(z)), least))
         sizes = np.where(magnitudes > 0.0, np.maximum(magnitudes, np.abs(z)), np.abs(z))
         rows = jacobian[size:]

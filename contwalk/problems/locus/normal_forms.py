@@ -85,10 +85,14 @@ def _bordered_solve(matrix: np.ndarray, q: np.ndarray, p: np.ndarray, right: np.
 
 
 def cusp_coefficient(plane: Plane, z: np.ndarray) -> dict[str, Any]:
-    """c of y' = b1 + b2 y + c y^3 at z, shape (N + 2,)."""
+    """c of y' = b1 + b2 y + c y^3 at z, shape (N + 2,); none where the eigenvalue zero is a double one."""
     place = FloatPlace(plane, z)
     found = zero_condition(place, zero_borders(place.matrix))
-    q, p = _normalized(found.right[0], found.left[0], plane.finite)
+    right, left = found.right[0], found.left[0]
+    moved = plane.finite * right
+    if abs(left @ moved) <= VANISHES * np.linalg.norm(left) * np.linalg.norm(moved):
+        return {}
+    q, p = _normalized(right, left, plane.finite)
     b = place.second(q, q)
     h = _bordered_solve(place.matrix, q, p, -(b - (p @ b) * q))
     c = float(p @ (place.third(q, q, q) + 3.0 * place.second(q, h))) / 6.0
