@@ -79,10 +79,10 @@ class FieldKink(Kink):
         met = f"Its orbits cross a place where {what}: {self.where}."
         if self.order == 1:
             return (
-                f"{met} Special points near it may stay unlocated, steps become small, and coefficients of "
-                f'normal forms are not right. {REMEDY} With role="soft" orbits pass it exactly.'
+                f"{met} Multipliers and special points are right, but normal forms, and with them "
+                f'criticality, are not known. {REMEDY} With role="soft" they are.'
             )
-        return f"{met} Cubic coefficients, and with them criticality, are not right there. {REMEDY}"
+        return f"{met} Cubic coefficients, and with them criticality, are not known. {REMEDY}"
 
     def refusal(self, of: str) -> NotSmooth:
         """Why `equilibria` or `orbits` do not go on beyond it."""

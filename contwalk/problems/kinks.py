@@ -109,6 +109,28 @@ def along(course: Course) -> tuple[FieldKink, ...]:
     return tuple(dict.fromkeys(_kinks(course, *_located(course, crossed)))) if len(crossed) else ()
 
 
+def bends(course: Course) -> np.ndarray:
+    """When choices change along a motion, away from events at its ends, in growing order, shape (k,).
+
+    None of one that meets a jump of the field at an instant that depends on it: nothing is right there.
+    """
+    sides = course.sides(course.times, course.states)
+    apart = differ(sides[:-1], sides[1:])
+    crossed = np.flatnonzero(np.any(apart, axis=1))
+    if not len(crossed):
+        return np.zeros(0)
+    low, high = _located(course, crossed)
+    jumps = course.switching.jumps(np.flatnonzero(np.any(apart, axis=0)).tolist())
+    if jumps and any(kink.refused for kink in _kinks(course, low, high)):
+        return np.zeros(0)
+    return 0.5 * (low + high)[_inside(course, low, high)]
+
+
+def _inside(course: Course, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Which of the places between two instants each are no event at an end of the motion."""
+    return (high >= AT_END) & (low <= 1.0 - AT_END) if course.ends else np.ones(len(low), dtype=bool)
+
+
 def differ(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Which choices are not the same on two sides; one that is undefined is like any."""
     return (a != b) & ~np.isnan(a) & ~np.isnan(b)
@@ -202,9 +224,8 @@ def _straight(
 
 def _kinks(course: Course, low: np.ndarray, high: np.ndarray) -> Iterator[FieldKink]:
     """What jumps between neighbouring instants, where something does that matters."""
-    if course.ends:
-        inside = (high >= AT_END) & (low <= 1.0 - AT_END)
-        low, high = low[inside], high[inside]
+    inside = _inside(course, low, high)
+    low, high = low[inside], high[inside]
     count, switching = len(low), course.switching
     if not count:
         return

@@ -268,6 +268,13 @@ class SoftEquations(HybridOrbit):
         explicit, unknowns = self.explicit(z)
         return explicit.multipliers(unknowns, explicit.jacobian(unknowns))
 
+    def at_kinks(self, z: np.ndarray) -> Self:
+        """Itself: the steps are those of the explicit orbit, which looks after its own.
+
+        z has the shape (N + 1,).
+        """
+        return self
+
     @cached_property
     def limits(self) -> tuple[Limit, ...]:
         """All that must stay positive, whichever soft transitions there are."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -53,6 +53,10 @@ class CurveOfOrbits:
     def evaluations(self) -> int:
         """Right-hand sides evaluated so far."""
         return int(self.orbit.evaluations)
+
+    def at_kinks(self, z: np.ndarray) -> Self:
+        """Itself: orbits look after their own steps. z has the shape (N + k + 2,)."""
+        return self
 
     def further(self, z: np.ndarray) -> np.ndarray:
         """What z, shape (N + k + 2,), has beside the orbit's unknowns and both parameters, shape (k,)."""

@@ -23,6 +23,7 @@ from contwalk import quantities
 from contwalk.errors import NotFinite, StartError
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.orbit.discretization import TIGHTEST
+from contwalk.problems.orbit.lacking import Lacking
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.solving import newton_on
@@ -92,10 +93,11 @@ class Augmented:
         `second` is the orbit on the line along that, which has the `value`; the column has the shape
         (N + r,).
         """
-        if self.in_plane is not None:
-            return self.in_plane(first, second, y, value)
         place, n = y.copy(), first.size
         place[n] = value
+        first, second = first.at_kinks(y[: n + 1]), second.at_kinks(place[: n + 1])
+        if self.in_plane is not None:
+            return self.in_plane(first, second, y, value)
         return *self.evaluate(first, y), self.evaluate(second, place)[1][:, n]
 
 
@@ -110,16 +112,37 @@ def located(problem: OrbitData, kind: OrbitKind, sample: Sample, which: int) -> 
 
 def solved(problem: OrbitData, system: Augmented, sample: Sample) -> Located | None:
     """The solution of an augmented system with its refinement."""
-    rough = _newton(problem, system, system.start)
+    size = problem.size
+    lacking = _lacking(problem, system, sample)
+    rough = _newton(problem, system, system.start, lacking)
     if rough is None:
         return None
-    size = problem.size
     walking = 1e3 * problem.mesh.tolerance * abs(float(rough[size]))
     located = Located(rough[: size + 1], walking, system.vectors(problem, rough), problem=problem)
-    return replace(located, refine=lambda: _refined(problem, system, rough, sample))
+    return replace(located, refine=lambda: _refined(problem, system, rough, sample, lacking))
 
 
-def _refined(problem: OrbitData, system: Augmented, rough: np.ndarray, sample: Sample) -> Located | None:
+def _lacking(problem: OrbitData, system: Augmented, sample: Sample) -> Lacking:
+    """What derivatives of the last rows lack where the field bends, as differences along the branch tell it.
+
+    Where it is linear by pieces, nothing else is in them.
+    """
+    size = problem.size
+    lacking = Lacking(size, system.scale)
+    if problem.at_kinks(sample.z) is problem:
+        return lacking
+    direction = np.zeros(len(system.start))
+    direction[: size + 1] = sample.tangent
+    ahead, behind = (
+        _evaluated(problem, system, system.start + h * direction)[0][size:] for h in (BESIDE, -BESIDE)
+    )
+    lacking.along(direction, (ahead - behind) / (2.0 * BESIDE), _evaluated(problem, system, system.start)[1])
+    return lacking
+
+
+def _refined(
+    problem: OrbitData, system: Augmented, rough: np.ndarray, sample: Sample, lacking: Lacking
+) -> Located | None:
     """The point on steps fine enough for the accuracy that is asked for, with its estimated error."""
     size, wanted = problem.size, problem.discretization.accuracy
     free = {name: size - k for k, name in enumerate(problem.line.names)}
@@ -129,13 +152,13 @@ def _refined(problem: OrbitData, system: Augmented, rough: np.ndarray, sample: S
     for _ in range(MOST_REFINEMENTS):
         try:  # on finer steps a motion may meet what it stepped over before
             finer = problem.refined(found[: size + 1], sample.weights, tolerance)
-            solution = _newton(finer, system, found)
+            solution = _newton(finer, system, found, lacking)
             if solution is None:
                 break
             found = solution
             checked = max(CHECK * tolerance, TIGHTEST)
             check = problem.refined(found[: size + 1], sample.weights, checked)
-            correction = _checked(check, system, found)
+            correction = _checked(check, system, found, lacking)
         except NotFinite:
             break
         if correction is None:
@@ -173,7 +196,7 @@ def _rounding(problem: OrbitData, system: Augmented, y: np.ndarray, places: Sequ
     own = np.minimum(
         level, 1e2 * EPSILON * (np.abs(problem.jacobian(y[: size + 1])) @ system.scale[: size + 1])
     )
-    _, jacobian = system.evaluate(problem, y)
+    _, jacobian, _ = _evaluated(problem, system, y)
     last = jacobian[size:]
     terms = np.abs(last) @ system.scale if system.in_units else np.ones(len(last))
     noise = np.concatenate([own, 1e2 * EPSILON * terms])
@@ -183,11 +206,12 @@ def _rounding(problem: OrbitData, system: Augmented, y: np.ndarray, places: Sequ
     return [float(np.abs(row) @ noise) + EPSILON * abs(float(y[place])) for place, row in each]
 
 
-def _newton(problem: OrbitData, system: Augmented, start: np.ndarray) -> np.ndarray | None:
+def _newton(problem: OrbitData, system: Augmented, start: np.ndarray, lacking: Lacking) -> np.ndarray | None:
     """Newton's method to the rounding of the equations; None where it does not get there."""
+    lacking.on_other_steps()
     y, before = _begun(problem, system, start).copy(), np.inf
     for iteration in range(ITERATIONS):
-        correction = _correction(problem, system, y)
+        correction = _correction(problem, system, y, lacking)
         if correction is None:
             return None
         size = float(np.max(np.abs(correction) / system.scale))
@@ -195,9 +219,10 @@ def _newton(problem: OrbitData, system: Augmented, start: np.ndarray) -> np.ndar
             return y
         if not size < 1e3:
             return None
-        y, before = y - correction, size
-        # One more step from here would be the square of this one.
-        if size < SMALL or size**2 < 1e-3 * problem.mesh.tolerance:
+        y, former, before = y - correction, before, size
+        # One more step from here would be the square of this one, and this one times the last by secants.
+        further = size if problem.at_kinks(y[: problem.size + 1]) is problem else former
+        if size < SMALL or size * further < 1e-3 * problem.mesh.tolerance:
             return y
     return None
 
@@ -224,7 +249,7 @@ def _along_branch(problem: OrbitData, system: Augmented, start: np.ndarray, acro
     """
     weights = system.scale
     y = newton_on(problem, start, weights, across)
-    residual, jacobian = system.evaluate(problem, y)
+    residual, jacobian, _ = _evaluated(problem, system, y)
     g, slope = float(residual[-1]), 0.0
     for _ in range(MOST_MOVES):
         tangent = problem.linearize(y).tangent(across, weights)
@@ -234,28 +259,36 @@ def _along_branch(problem: OrbitData, system: Augmented, start: np.ndarray, acro
             break
         move = float(np.clip(move, -LONGEST, LONGEST))
         further = newton_on(problem, y + move * tangent, weights, across)
-        after = float(system.evaluate(problem, further)[0][-1])
+        after = float(_evaluated(problem, system, further)[0][-1])
         if not np.isfinite(after):
             break
         y, g, slope = further, after, (after - g) / move
     return y
 
 
-def _checked(problem: OrbitData, system: Augmented, y: np.ndarray) -> np.ndarray | None:
+def _checked(problem: OrbitData, system: Augmented, y: np.ndarray, lacking: Lacking) -> np.ndarray | None:
     """The correction of a solution on other steps."""
     begun = _begun(problem, system, y)
-    correction = _correction(problem, system, begun)
+    lacking.on_other_steps()
+    correction = _correction(problem, system, begun, lacking)
     return correction if correction is None or begun is y else y - begun + correction
 
 
-def _correction(problem: OrbitData, system: Augmented, y: np.ndarray) -> np.ndarray | None:
+def _correction(problem: OrbitData, system: Augmented, y: np.ndarray, lacking: Lacking) -> np.ndarray | None:
     try:
-        residual, jacobian = system.evaluate(problem, y)
+        residual, jacobian, bent = _evaluated(problem, system, y)
+        jacobian = lacking.added(y, residual, jacobian) if bent else jacobian
         if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
             return None
         return problem.factored(jacobian, system.scale).solve(residual)
     except (np.linalg.LinAlgError, NotFinite):
         return None
+
+
+def _evaluated(problem: OrbitData, system: Augmented, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Residual and Jacobian at y, on steps that hold no kink of the field, and whether there are any."""
+    there = problem.at_kinks(y[: problem.size + 1])
+    return *system.evaluate(there, y), there is not problem
 
 
 # -- marks -------------------------------------------------------------------------------------------------

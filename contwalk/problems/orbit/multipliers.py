@@ -93,11 +93,11 @@ class Multipliers:
         """
         return np.where(self.values.imag != 0.0, 0.0, 1.0)
 
-    def doubted(self, error: float) -> Multipliers:
-        """The same, none known better than to an absolute error."""
+    def doubted(self, error: float | np.ndarray) -> Multipliers:
+        """The same, none known better than to an absolute error, of all or of each, shape (r,)."""
         each = None if self.accuracies is None else np.maximum(self.accuracies, error)
-        errors = np.maximum(self.errors, error)
-        return replace(self, errors=errors, accuracy=max(self.accuracy, error), accuracies=each)
+        errors, first = np.maximum(self.errors, error), float(np.max(np.ravel(error)[:1], initial=0.0))
+        return replace(self, errors=errors, accuracy=max(self.accuracy, first), accuracies=each)
 
     def beside(
         self, share: float, value: float = np.inf, error: float = 0.0, trivial: float = 0.0

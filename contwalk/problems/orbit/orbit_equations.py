@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import Self
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored, Factorization
 from contwalk.problems.linearization import Fitted
 from contwalk.problems.orbit import condensed, equations, metric, monodromy, scales
+from contwalk.problems.orbit.at_kinks import BESIDE, WIDER, ending_at_kinks
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -26,6 +28,8 @@ class OrbitEquations(DiscretizedOrbit):
     """What ends where the next one starts, guards, phase, period and pins: see `equations`."""
 
     magnitudes_near = metric.magnitudes_near
+    # Whether steps are those that they were made from, and end at no kinks of other motions.
+    on_own_steps = False
 
     @property
     def most_kept(self) -> int:
@@ -38,8 +42,10 @@ class OrbitEquations(DiscretizedOrbit):
 
     def _linearized(self, z: np.ndarray) -> Linearization:
         """The equations at z, computed."""
-        residual, jacobian, nodes = equations.with_derivatives(self, z)
-        self.known.at("nodes", z, self.most_kept, lambda: nodes)
+        there = self.at_kinks(z)
+        residual, jacobian, nodes = equations.with_derivatives(there, z)
+        if there is self:
+            self.known.at("nodes", z, self.most_kept, lambda: nodes)
         levels, magnitudes = of_unowned(equations.levels, self), unowned(self.magnitudes_near)
         nearby = unowned(self.residual)
         found = Linearization(
@@ -56,7 +62,7 @@ class OrbitEquations(DiscretizedOrbit):
 
     def residual(self, z: np.ndarray) -> np.ndarray:
         """F(z), shape (N,), for far less than with its derivatives."""
-        return equations.residual(self, z)
+        return equations.residual(self.at_kinks(z), z)
 
     @property
     def fitted(self) -> Fitted | None:
@@ -102,9 +108,25 @@ class OrbitEquations(DiscretizedOrbit):
 
         z has the shape (N + 1,), the jacobian (N, N + 1).
         """
+        there = self.at_kinks(z)
+        if there is self:
+            return self._multipliers(z, jacobian)
+        found = there._multipliers(z, there.jacobian(z))
+        wider = ending_at_kinks(self, z, WIDER * BESIDE)
+        others = wider._multipliers(z, wider.jacobian(z)).values
+        apart = np.abs(found.values[:, None] - others).min(axis=1, initial=np.inf)
+        return found.doubted(np.nan_to_num(apart, nan=np.inf))
+
+    def _multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """As `multipliers`, on its own steps."""
         if self.uneven and self.mesh.segments > 1:
             return multipliers_of(self, z, monodromy.becoming_of(self, z))
         return monodromy.spectrum(self, z, jacobian)
+
+    def at_kinks(self, z: np.ndarray) -> Self:
+        """The same orbit on steps that end where its field bends. z has the shape (N + 1,)."""
+        held = self.on_own_steps or self.reference_orbit is not None  # this phase is told by its own steps
+        return self if held else ending_at_kinks(self, z)
 
     def return_map(self, z: np.ndarray) -> SectionMap:
         """The map that takes a section once round the orbit, for normal forms. z has the shape (N + 1,)."""

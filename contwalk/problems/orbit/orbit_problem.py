@@ -99,8 +99,10 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
             raise NotFinite(self.diagnosis.without_value(z) or "The equations have no finite value.", "")
         unit = unit_in(tangent, weights)
         jacobian = linearization.jacobian
-        trivial = monodromy.trivial_error(self, z, jacobian)
-        found = monodromy.doubted(self, self.multipliers(z, jacobian), trivial, jacobian)
+        sharp = self.at_kinks(z)
+        sharply = jacobian if sharp is self else sharp.jacobian(z)
+        trivial = monodromy.trivial_error(sharp, z, sharply)
+        found = monodromy.doubted(sharp, self.multipliers(z, jacobian), trivial, sharply)
         errors = equations.errors(self, linearization)
         orientation, error = linearization.orientation_and_error(unit, weights, errors)
         share, value = float(unit[-1] / weights[-1]), float(z[-1] / weights[-1])

@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
+from contwalk.problems.kink import FieldKink
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.protocol import OrbitKind
@@ -24,6 +25,8 @@ VANISHES, ROUNDED = 1e-9, 1e-13
 COARSER = 10.0
 # Multipliers that meet are known to the root of rounding only.
 MEET = 1e-3
+# Coefficients that take third derivatives of the motion.
+CUBIC = ("c", "d", "c_error", "d_error")
 BRANCHING = ("c11", "c12", "c22", "c")
 UP_TO_A_FACTOR = (
     "return map minus identity; c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h, and the "
@@ -51,6 +54,7 @@ def described(
     except NotFinite as error:
         kind, criticality, coefficients = None, None, {}
         note = f"there is no normal form: {error.sentence}"
+    criticality, coefficients, note = _beside_kinks(sample, criticality, coefficients, note)
     value, weight, asked = abs(float(z[-1])), float(sample.weights[-1]), problem.discretization.accuracy
     if located.refined and located.error > allowed_error(asked, value, located.error, weight):
         share = f", {located.error / value:.1e} of the value" if value > 0.0 else ""
@@ -79,6 +83,23 @@ def described(
         unknowns=tuple(z.tolist()),
         tangent=tuple(sample.tangent.tolist()),
     )
+
+
+def _beside_kinks(
+    sample: Sample, criticality: str | None, coefficients: dict[str, Any], note: str | None
+) -> tuple[str | None, dict[str, Any], str | None]:
+    """What is right of a normal form where the orbit meets places at which derivatives of the field jump."""
+    orders = [k.order for k in sample.kinks if isinstance(k, FieldKink) and k.moves and 0 < k.order < 3]
+    if not orders or not (criticality or coefficients):
+        return criticality, coefficients, note
+    told = {} if min(orders) == 1 else {k: v for k, v in coefficients.items() if k not in CUBIC}
+    what, lost = (
+        ("slopes", "normal form is")
+        if min(orders) == 1
+        else ("second derivatives", "cubic coefficient and criticality are")
+    )
+    why = f"the orbit crosses a place where {what} of the field jump: its {lost} not known"
+    return None, told, why if note is None else f"{note}; {why}"
 
 
 def _form(problem: OrbitData, point: OrbitKind, located: Located, sample: Sample) -> Form:

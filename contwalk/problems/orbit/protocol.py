@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import numpy as np
 
@@ -117,6 +117,10 @@ class EquationsOfOrbit(Problem, Protocol):
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure. z has the shape (N + 1,), the jacobian (N, N + 1)."""
+        ...
+
+    def at_kinks(self, z: np.ndarray) -> Self:
+        """The same orbit on steps that end where its field bends. z has the shape (N + 1,)."""
         ...
 
     def return_map(self, z: np.ndarray) -> SectionMap:

@@ -48,12 +48,14 @@ def of_moduli(problem: OrbitData, z: np.ndarray, tangent: np.ndarray, found: Mul
 def of_modulus(
     problem: OrbitData, z: np.ndarray, tangent: np.ndarray, value: complex, paired: bool = False
 ) -> float:
-    """Derivative of |mu| along the branch, exact on the steps: mu' = psi* L_s v / psi* v.
+    """Derivative of |mu| along the branch, exact on the steps of a smooth field: mu' = psi* L_s v / psi* v.
 
     Of one of a pair mu, 1/mu that of |mu + 1/mu| / 2.
 
     z and tangent have the shape (N + 1,).
     """
+    if problem.at_kinks(z) is not problem:
+        return _by_difference(problem, z, tangent, value, paired)
     multiplier = value if value.imag else value.real
     matrix = variations.cycle_matrix(problem, problem.linearize(z).jacobian, multiplier)
     v, psi = null_vectors(problem, matrix, *cycle_scales(problem))
@@ -68,6 +70,21 @@ def of_modulus(
         half = 0.5 * (rate * (1.0 - value**-2)).real
         return float(np.sign((value + 1.0 / value).real) * half)
     return float((np.conj(value) * rate).real / abs(value))
+
+
+def _by_difference(
+    problem: OrbitData, z: np.ndarray, tangent: np.ndarray, value: complex, paired: bool
+) -> float:
+    """As `of_modulus` where the field bends: second derivatives of the motion are not all that moves."""
+
+    def measure(displaced: np.ndarray) -> float:
+        there = problem.at_kinks(displaced)
+        values = there.multipliers(displaced, there.linearize(displaced).jacobian).values
+        own = complex(values[np.argmin(np.abs(values - value))])
+        return float(0.5 * abs((own + 1.0 / own).real) if paired else abs(own))
+
+    ahead, behind = (measure(z + h * tangent) for h in (BESIDE, -BESIDE))
+    return (ahead - behind) / (2.0 * BESIDE)
 
 
 def of_observable(problem: OrbitData, name: str, sample: Sample) -> float:

@@ -30,7 +30,7 @@ def made_up(steepness):
         assert len(z) == len(weights) == 2  # unknowns of the orbit, not those that belong to the point
         return problem
 
-    problem.refined = refined
+    problem.refined, problem.at_kinks = refined, lambda z: problem
     return problem, jacobian
 
 
