@@ -78,11 +78,10 @@ def _wrapper(inner: str, symbol: str, result: str, arguments: str) -> str:
     """
 
 
-def _array_of(element: types.Type) -> Any:
+def _array_of(element: types.Type, size: int = 8) -> Any:
     @intrinsic
     def array(typing_context: Any, address: Any, length: Any) -> Any:
         array_type = types.Array(element, 1, "C")
-        size = 8
 
         def generate(context: Any, builder: Any, signature: Any, values: Sequence[Any]) -> Any:
             pointer = context.get_data_type(element).as_pointer()
@@ -107,6 +106,9 @@ doubles = _array_of(types.float64)
 
 integers = _array_of(types.int64)
 """integers(address, length): the 64-bit integers from an address on, as an array."""
+
+complexes = _array_of(types.complex128, 16)
+"""complexes(address, length): the complex numbers from an address on, as an array."""
 
 
 def record(kind: type[CallRecord]) -> Any:

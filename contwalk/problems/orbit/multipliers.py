@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.numerics import krein
-from contwalk.numerics.periodic_schur import conjugates, product_eigenvalues
 from contwalk.numerics.spectrum import complement
+from contwalk.problems.orbit.periodic_schur import conjugates, product_eigenvalues
 
 Matrices = np.ndarray | Sequence[np.ndarray]
 

@@ -7,8 +7,8 @@ import pytest
 from small_systems import circle, small_system
 
 import contwalk as cw
-from contwalk.numerics.periodic_schur import scaled_product
 from contwalk.problems.orbit import monodromy
+from contwalk.problems.orbit.periodic_schur import scaled_product
 from contwalk.problems.orbit.shooting import velocity
 
 

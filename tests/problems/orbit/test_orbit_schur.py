@@ -4,8 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from contwalk.numerics import periodic_schur
-from contwalk.numerics.periodic_schur import product_eigenvalues
+from contwalk.problems.orbit import periodic_schur
+from contwalk.problems.orbit.periodic_schur import product_eigenvalues
 
 
 def exactly(factors):
@@ -154,9 +154,10 @@ def test_a_factor_that_is_zero():
 @pytest.mark.parametrize("size", [2, 3])
 def test_a_product_graded_beyond_the_range_of_doubles(size, monkeypatch):
     """Hundreds of steps of a relaxation oscillation: it attracts by 1e-1200, and 1e3 grows."""
-    sweeps = []
-    sweep = periodic_schur._sweep
-    monkeypatch.setattr(periodic_schur, "_sweep", lambda *given: sweeps.append(given) or sweep(*given))
+    sweeps, counted = [], periodic_schur.sweeps_of
+    monkeypatch.setattr(
+        periodic_schur, "sweeps_of", lambda chain: sweeps.append(counted(chain)) or sweeps[-1]
+    )
     random, number = np.random.default_rng(size), 400
     bases = [np.linalg.qr(random.standard_normal((size, size)))[0] for _ in range(number)]
     growth = np.array([1e3 ** (1.0 / number), 1e-3, 3e-3])[:size]
@@ -167,4 +168,29 @@ def test_a_product_graded_beyond_the_range_of_doubles(size, monkeypatch):
     found = ordered(product_eigenvalues(factors))
     assert found[0] == pytest.approx(1e3, rel=1e-10)
     assert all(abs(value) < 1e-300 for value in found[1:])
-    assert len(sweeps) <= 4 * size
+    assert len(sweeps) == 1
+    assert 0 <= sweeps[0] <= 4 * size
+
+
+def test_what_is_not_a_number_has_no_eigenvalues():
+    factors = [np.eye(3), np.array([[1.0, 2.0, 0.0], [0.0, np.nan, 1.0], [3.0, 0.0, 1.0]])]
+    with pytest.raises(np.linalg.LinAlgError, match="does not converge"):
+        product_eigenvalues(factors)
+
+
+def test_hundreds_of_unknowns_by_the_same_loops():
+    """A rotation of every plane by an angle of its own, in another basis: its powers are known."""
+    random, size, number = np.random.default_rng(3), 60, 3
+    basis = np.linalg.qr(random.standard_normal((size, size)))[0]
+    angles = np.linspace(0.1, 1.0, size // 2)
+    turn = np.zeros((size, size))
+    for i, angle in enumerate(angles):
+        turn[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = [
+            [np.cos(angle), -np.sin(angle)],
+            [np.sin(angle), np.cos(angle)],
+        ]
+    found = product_eigenvalues([basis @ turn @ basis.T] * number)
+    wanted = np.exp(1j * number * np.concatenate([angles, -angles]))
+    # Normal factors: each eigenvalue is as well known as the rounding of all of them together.
+    apart = np.abs(found[:, None] - wanted).min(axis=0)
+    assert apart.max() < 1e-13 * size
