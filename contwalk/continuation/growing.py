@@ -18,6 +18,9 @@ from contwalk.continuation.state import ContinuationState, begin
 from contwalk.labels import END, OF_LOCI
 from contwalk.problems.problem import LimitType, PointType, Problem, Seed
 
+# Labels of points at which a branch is born across the one that it leaves: one multiplier of it is one there.
+BORN = ("PD", "BP")
+
 
 def grown(
     plan: Plan, start: Start, problem: Problem, name: str, special_points: Sequence[SpecialPoint]
@@ -66,7 +69,7 @@ def _openings(
         for seed in kind.seeds(problem, point):
             state = _begun(seed, plan.settings)
             if isinstance(state, ContinuationState):
-                yield Opening(seed.problem, state, one_sided=seed.one_sided)
+                yield Opening(seed.problem, _counted(state, seed, point), one_sided=seed.one_sided)
             else:
                 yield outcomes.no_start(state.reason, state.sentence)
     except outcomes.BREAKDOWNS as error:
@@ -92,6 +95,20 @@ def _begun(seed: Seed, settings: Settings) -> ContinuationState | Correction:
         return first
     other = begin(seed.problem, seed.other_side, settings, seed.tangent, seed.reach)
     return other if _inside(other, settings) else first
+
+
+def _counted(state: ContinuationState, seed: Seed, point: SpecialPoint) -> ContinuationState:
+    """The first solution of a branch of orbits, counted as those beside it by its point's criticality.
+
+    At the point itself its multiplier is one. Beside it, where a cycle explodes, it may differ from one by
+    less than it is known to.
+    """
+    pitchfork = seed.label in BORN and abs(point.unstable_after - point.unstable_before) == 1
+    if seed.problem.meshed is None or seed.tangent is None or not pitchfork or point.criticality is None:
+        return state
+    least = min(point.unstable_before, point.unstable_after)
+    count = least + (point.criticality == "subcritical")
+    return replace(state, sample=state.sample.counted(count))
 
 
 def _inside(state: ContinuationState | Correction, settings: Settings) -> bool:

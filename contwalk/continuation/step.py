@@ -113,6 +113,12 @@ def take_step(
             except (PluginError, NotFinite) as error:
                 reason, explanation = error.reason, error.sentence
         ends = False
+        if reason == "not_finite" and correction.iterations and problem.diagnosis.obstacle(state.sample.z):
+            # It is the corrections that are too large, and not the field that ends ahead.
+            reason, explanation = (
+                "no_convergence",
+                "Newton's method leads to where the equations have no value.",
+            )
         if reason in ("not_finite", "plugin_error") and jump is None:
             edge = reason, explanation
             ends = reason == "not_finite" and domain_edge.reached(problem, state.sample)
