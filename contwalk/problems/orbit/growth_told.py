@@ -67,9 +67,9 @@ def _over_all(orbit: DiscretizedOrbit) -> str:
     leg = orbit.itinerary.legs[most]
     return (
         f"Deviations grow by up to {whole[most]:.0e} over the segment in mode '{leg.mode}' that "
-        f"{_ended(leg)}: along what repels it (a canard, or a homoclinic orbit nearby) the parameter stands still while the "
-        "orbit changes, and double precision does not tell such orbits from each other. Begin another branch "
-        "beyond, from a simulation."
+        f"{_ended(leg)}: along what repels it (a canard, or a homoclinic orbit nearby) the parameter stands "
+        "still while the orbit changes, and double precision does not tell such orbits from each other. "
+        "Begin another branch beyond, from a simulation."
     )
 
 
