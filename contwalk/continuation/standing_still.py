@@ -45,13 +45,15 @@ def with_what_stands_still(outcome: Outcome, rows: Sequence[np.ndarray], sign: f
         what = "the states go on changing"
     else:
         return outcome
+    like = "an explosion of cycles (a canard) or a limit of infinite period looks"
+    if not np.isfinite(periods).any():
+        like = "equilibria at one value of a parameter, or one that grows without bound, look"
     return replace(
         outcome,
         message=(
             f"{outcome.message} Over the last {POINTS} points {free} stands still at {value:.10g}, to within "
-            f"{moved:.1g}, while {what}: an explosion of cycles (a canard) or a limit of infinite period "
-            "looks like that, and more points lead along it only slowly. End `range` before it, or fix "
-            f"{free} there and continue over another parameter."
+            f"{moved:.1g}, while {what}: {like} like that, and more points lead along it only slowly. "
+            f"End `range` before it, or fix {free} there and continue over another parameter."
         ),
     )
 

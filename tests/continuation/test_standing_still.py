@@ -52,6 +52,7 @@ def test_what_goes_on_changing_is_told(values, periods, states, told, sign):
         f"Over the last {POINTS} points a stands still at 0.9987404518, to within 5e-10, {told}"
         in found.message
     )
+    assert ("canard" in found.message) == np.isfinite(periods).all()  # equilibria have none
 
 
 def test_other_ends_are_left_alone():

@@ -34,6 +34,13 @@ def saturated(t, x, p, dx):
     dx[0] = p.lam - x[0] / (1.0 + x[0])
 
 
+def turnover(t, x, p, dx):
+    """A chain of saturated steps whose rates nearly cancel: their rounding hides what the limit has left."""
+    first, back = 2.0 * x[0] / (2.0 + x[0]), 3.0 * x[1] / (2.0 + x[1])
+    dx[0] = p.lam - first + back
+    dx[1] = first - back - x[1]
+
+
 def logarithm(t, x, p, dx):
     dx[0] = p.lam * np.exp(x[0]) - x[0]
 
@@ -64,6 +71,7 @@ ESCAPES = [
     (cube, [1.0], 1.0, 0.0),
     (root, [1.0], 1.0, 0.0),
     (saturated, [1.0], 0.5, 1.0),
+    (turnover, [2.4, 0.5], 0.5, 1.0),  # x[1] = lam, and lam + 3 lam / (2 + lam) = 2
     (logarithm, [0.25], 0.2, 0.0),
     (hot, [1000.0], 1.0, 0.0),
     (cold, [1000.0], 1.0, 0.0),

@@ -29,6 +29,9 @@ FALLEN = 1e-20
 BEYOND = 2.0
 # A solution has a residual this small against what the way to it would make, however steep its equations are.
 REACHED = 0.1
+# Where rounding hides that, the law has been seen as far as it can be, if what the parameter has left is this
+# part of the suspicion's.
+HIDDEN = 1e-3
 # Newton steps that leave the domain of the equations are halved so often at most.
 HALVINGS = 60
 # How far from an edge of the domain, in magnitudes of the parameter, it is asked what is left to it; of a
@@ -58,8 +61,9 @@ def escape(problem: EquilibriumEquations, a: Sample, b: Sample) -> Escape | None
     before = float(a.tangent[-1] / a.tangent[which])
     straight, gone = abs(change * first / (before - first)), 0.0
     for distance, guess, there in _further(problem, which, change, b):
-        if there is None:
-            seen = abs(slope * distance) > SEEN * size
+        if not isinstance(there, _Place):
+            hidden = there is _HIDDEN and abs(slope * distance) <= HIDDEN * REST * size
+            seen = abs(slope * distance) > SEEN * size and not hidden
             ends = seen or not _finite(problem, np.append(guess[:-1], b.parameter))
             told = gone > BEYOND * straight and (abs(slope) <= FALLEN * abs(first) or not ends)
             return Escape(which, limit) if told and not _at_an_edge(problem, b) else None
@@ -115,15 +119,19 @@ class _Place:
     tangent: np.ndarray
 
 
+# What solves the equations to rounding, which is all that the way to it makes of them.
+_HIDDEN = object()
+
+
 def _further(
     problem: EquilibriumEquations, which: int, step: float, b: Sample
-) -> Iterator[tuple[float, np.ndarray, _Place | None]]:
+) -> Iterator[tuple[float, np.ndarray, _Place | object | None]]:
     """Solutions further and further from b along an unknown, each with its distance to the last one and the
-    guess it comes from; None where there is none.
+    guess it comes from; `_HIDDEN` where rounding hides the next one, None where there is none.
     """
-    place: _Place | None = _Place(b.z, b.tangent)
+    place: _Place | object | None = _Place(b.z, b.tangent)
     for number in range(PROBES):
-        if place is None:
+        if not isinstance(place, _Place):
             return
         distance = step * FURTHER**number
         guess = place.z + distance * place.tangent / place.tangent[which]
@@ -153,8 +161,8 @@ def _finite(problem: EquilibriumEquations, z: np.ndarray) -> bool:
 
 def _solved(
     problem: EquilibriumEquations, which: int, guess: np.ndarray, weights: np.ndarray, distance: float
-) -> _Place | None:
-    """The solution near a guess with the same value of an unknown, if there is one."""
+) -> _Place | object | None:
+    """The solution near a guess with the same value of an unknown, if there is one; `_HIDDEN` by rounding."""
     z, row = guess, np.zeros(len(guess))
     here = problem.linearize(z)
     for iteration in range(ITERATIONS + 1):
@@ -164,7 +172,7 @@ def _solved(
         row[which] = 1.0 / sizes[which]
         if here.excess <= (SOLVED if iteration == ITERATIONS else STOP):
             if np.any(np.abs(here.residual) > REACHED * np.max(np.abs(here.jacobian[:, which] * distance))):
-                return None
+                return _HIDDEN if here.excess <= STOP else None
             tangent = here.tangent(row, sizes)
             return _Place(z, tangent) if np.all(np.isfinite(tangent)) and tangent[which] != 0.0 else None
         step = here.bordered(row, sizes).solve(np.append(here.residual, 0.0))
