@@ -21,6 +21,16 @@ def bound(name: str, value: float) -> Outcome:
     )
 
 
+def bound_but_for(name: str, value: float, last: float) -> Outcome:
+    """The free parameter is as near to an end of its range as steps go, and no solution was found there."""
+    return Outcome(
+        "complete",
+        "bound",
+        f"Reached the end of the range, {name} = {value:.10g}, but for {abs(value - last):.1e}: no solution "
+        "was found at the end itself, where the equations may have none. Nothing to do.",
+    )
+
+
 def closed() -> Outcome:
     """The branch came back to its start."""
     return Outcome("complete", "closed", "The branch is closed: it came back to its start. Nothing to do.")

@@ -125,6 +125,9 @@ def take_step(
         before_jump = jump is not None and kinks_passed.reach(jump, length) < EDGE
         if ends or smallest or before_jump or (length < EDGE and edge is not None):
             reason, explanation = edge or (reason, explanation)
+            left, which, bound = _nearest_bound(state.sample, settings)
+            if left <= settings.min_step:
+                return outcomes.bound_but_for(observer.line.names[-1 - which], bound, state.sample.z[which])
             known = problem.diagnosis.obstacle(state.sample.z) or kinks_passed.sentence(problem, passed)
             place = observer.line.free, state.sample.parameter
             return outcomes.stuck(reason, text_of(explanation), length, *place, known)

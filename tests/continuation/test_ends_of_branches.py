@@ -30,6 +30,21 @@ def test_the_range_ends_a_branch_exactly_there():
     assert [q.error for q in labelled(branch, "EP")] == [0.0, 0.0]
 
 
+def test_an_end_of_the_range_at_which_nothing_is_defined_ends_a_branch_all_the_same():
+    def pulled_in(t, x, p, dx):  # lam = (1 - x) sqrt(x): the plates touch without a voltage, 0 / 0
+        dx[0] = (p.lam / (1.0 - x[0])) ** 2 - x[0]
+
+    problem = small_problem(pulled_in, "x", {"lam": 0.1}, "lam")
+    branch = cw.continue_branch(problem, [0.01], (0.0, 1.0))
+    assert (branch.outcome.status, branch.outcome.reason) == ("complete", "bound")
+    (fold,) = labelled(branch, "LP")
+    # folds are refined in forty digits
+    assert fold.parameters["lam"] == pytest.approx(2.0 / 27.0**0.5, rel=1e-15)
+    touching = max(labelled(branch, "EP"), key=lambda end: end.state["x"])
+    assert "Reached the end of the range, lam = 0, but for " in touching.note
+    assert 0.0 < touching.parameters["lam"] < 1e-12  # the shortest step, of which the parameter takes a part
+
+
 def test_a_branch_without_an_end_is_refused():
     with pytest.raises(StartError, match="No range is given, and 'small' declares no bounds for lam"):
         cw.continue_branch(_problem(), [0.0])
