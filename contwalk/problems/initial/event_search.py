@@ -78,6 +78,7 @@ class Search:
             self.period = period_at(system, parameters)
         self.turns = np.array([s.period or 0.0 for s in system.states])
         self.stretches: list[Span] = []
+        self.hard = False  # whether any of them ends with a hard transition
         self.low = np.full(len(system.states), np.inf)
         self.high = -self.low
         self.best: HybridRecurrence | None = None
@@ -185,10 +186,10 @@ class Search:
             start, x = self.begun or (float(arc.times[0]), arc.states[0])
             lasting = float(arc.times[-1]) - start
             self.stretches.append(Span(leg, start, x, lasting, arc.states[-1]))
+            self.hard = self.hard or transition.role == "hard"
         self.first, self.begun = False, None
-        # Laps end with hard transitions, where there are any.
-        hard = any(s.leg.transition is not None and s.leg.transition.role == "hard" for s in self.stretches)
-        return self._closed(arc) if self.stretches and not (transition.role == "soft" and hard) else None
+        # Recurrences end with hard transitions, where there are any.
+        return self._closed(arc) if self.stretches and not (transition.role == "soft" and self.hard) else None
 
     def _closed(self, arc: MotionSegment) -> HybridRecurrence | None:
         """The shortest recurrence that ends with this arc's event."""
