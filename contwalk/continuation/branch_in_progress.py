@@ -26,7 +26,8 @@ class Start:
 
     `opening` is an `Outcome` where the start failed; `orbit`: of an orbit; `leaves`: the kind of special
     point that it leaves; `number`: which start of a run it is, counted from 0, then which of those that grow
-    out of that one's branch, and so on, where others can make it from that.
+    out of that one's branch, and so on, where others can make it from that; `above`: of each branch on the
+    way to it, the first one's first, its special points.
     """
 
     system: System
@@ -39,6 +40,7 @@ class Start:
     orbit: bool = False
     leaves: PointType | None = None
     number: tuple[int, ...] = ()
+    above: tuple[tuple[SpecialPoint, ...], ...] = ()
 
 
 @dataclass(frozen=True)

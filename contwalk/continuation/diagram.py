@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from contwalk.branch import Branch, Outcome, SpecialPoint
+from contwalk.branch import Branch, Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.ahead import Ahead, Task, taken_over
 from contwalk.continuation.branch_in_progress import (
@@ -71,7 +71,6 @@ class Diagram:
         self.branches: list[Branch] = []
         self._walk = BranchWalk(plan)
         self._ahead = ahead
-        self._ancestors: dict[tuple[int, ...], tuple[tuple[SpecialPoint, ...], ...]] = {}
 
     def events(self) -> Iterator[Event]:
         """Everything that happens, as it happens."""
@@ -176,16 +175,13 @@ class Diagram:
         seeds = list(grown(self._plan, start, problem, branch.name, branch.special_points))
         self._seeds.extend(seeds)
         if self._ahead is not None and start.number:
-            above = self._ancestors.get(start.number[:-1], ())
-            self._ancestors[start.number] = (*above, tuple(branch.special_points))
             self._ahead.expect([task for seed in seeds for task in self._tasks(seed)])
 
     def _tasks(self, start: Start) -> list[Task]:
         """What there is to walk of the branch of a start."""
         if isinstance(start.opening, Outcome):
             return []
-        above = self._ancestors.get(start.number[:-1], ())
-        return [Task(start.number, side, above) for side in self._walk.sides(start, start.opening)]
+        return [Task(start.number, side, start.above) for side in self._walk.sides(start, start.opening)]
 
     def _is_whole(self, stored: Stored, outcome: Outcome) -> bool:
         """Whether nothing is to be added to a stored branch."""

@@ -15,11 +15,14 @@ from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
-from contwalk.labels import END, OF_LOCI
+from contwalk.labels import END, MARK, OF_LOCI
 from contwalk.problems.problem import LimitType, PointType, Problem, Seed
 
 # Labels of points at which a branch is born across the one that it leaves: one multiplier of it is one there.
 BORN = ("PD", "BP")
+# Points of two branches are one where the parameter is the same within so many times their errors, and this
+# part of itself: special points that are not the same lie farther apart.
+ONE_PLACE, TINY = 100.0, 1e-9
 
 
 def grown(
@@ -29,18 +32,18 @@ def grown(
     if start.depth >= plan.depth:
         return
     number = 0
-    # Where a branch that left no other one returns to its parent, that is not known: a start like others.
+    # Where orbits become those of a branch of less, that may be the one they come from, or one that nobody
+    # has followed: a start like others, which is known or not.
     returned = {p.index for p in special_points if p.label == END and p.kind == "rejoined"}
-    parents = returned if start.parent is None else set()
     for point in special_points:
         kind = kind_of(problem, point)
         if kind is None or not _followed(plan, kind) or point.status != "located":
             continue
         if start.parent is not None and abs(point.s) < 1e-9:
             continue  # the point that this branch itself was born at
-        above = _parent(plan, problem, point) if point.index in parents else ()
+        less = () if point.index not in returned or _left(start, point) else _parent(plan, problem, point)
         below = _openings(plan, problem, kind, point)
-        for opening, daughter in chain(zip(below, repeat(True)), zip(above, repeat(False))):
+        for opening, daughter in chain(zip(below, repeat(True)), zip(less, repeat(False))):
             yield replace(
                 start,
                 opening=opening,
@@ -50,8 +53,20 @@ def grown(
                 leaves=kind if daughter else None,
                 orbit=start.orbit or problem.meshed is not None or kind.births,
                 number=(*start.number, number) if start.number else (),
+                above=(*start.above, tuple(special_points)),
             )
             number += 1
+
+
+def _left(start: Start, point: SpecialPoint) -> bool:
+    """Whether a branch on the way to this one has a point of its own where this one ends: it has returned."""
+    place, error = point.unknowns[-1], point.error or 0.0
+    known = (p for points in start.above for p in points if p.label not in (END, MARK))
+    return any(
+        abs(p.unknowns[-1] - place) <= ONE_PLACE * ((p.error or 0.0) + error) + TINY * abs(place)
+        for p in known
+        if p.status == "located"
+    )
 
 
 def _followed(plan: Plan, kind: PointType) -> bool:

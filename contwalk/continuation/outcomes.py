@@ -37,11 +37,12 @@ def closed() -> Outcome:
 
 
 def returned_to_parent() -> Outcome:
-    """The orbit became its own parent again."""
+    """The orbit became one that repeats itself, or is its own image: its parent's again, or another's."""
     return Outcome(
         "complete",
         "rejoined",
-        "The orbit has become its parent's again: the branch ends on it. Nothing to do.",
+        "The orbit has become one that repeats itself, or is its own image: the branch ends on the branch of "
+        "those. Nothing to do.",
     )
 
 

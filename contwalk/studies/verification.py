@@ -154,7 +154,7 @@ def _not_for_us(branch: Branch, point: SpecialPoint) -> str:
     if point.status != "located":
         return "it was not located in the first place"
     if _of_parent(branch, point):
-        return "the orbit is its parent again: the parent's own point is recomputed"
+        return "the branch ends on another one there, whose own point is recomputed"
     return ""
 
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
 from loci_of_orbits import studied
+from scipy.integrate import solve_ivp
 
 from contwalk.branch import Branch, SpecialPoint
 
@@ -117,3 +121,98 @@ def test_the_impacts_that_a_pair_comes_from_are_followed(tmp_path):
     first, whole = (next(p for p in b.special_points if p.label == "BP") for b in branches)
     assert value(whole) == pytest.approx(value(first), abs=whole.error + first.error)
     assert 2.0 * whole.period == pytest.approx(first.period, rel=1e-8)
+
+
+# x' = 1 - x^2 - y^2 + cos(t) / 10, y' = (lam - x) y, and y changes its sign once a period.
+FLIPPED = """
+import math
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+
+def field(t, x, p, dx):
+    dx[0] = 1.0 - x[0] ** 2 - x[1] ** 2 + 0.1 * math.cos(t)
+    dx[1] = (p.lam - x[0]) * x[1]
+
+
+def flip(t, x, p, after):
+    after[0], after[1] = x[0], -x[1]
+
+
+SYSTEM = System(
+    "flipped",
+    states=(State("x"), State("y")),
+    parameters=(Parameter("lam", 0.5),),
+    modes=(Mode("only", field),),
+    transitions=(Transition("flip", "only", "only", lambda t, x, p: math.sin(t), "rising", flip),),
+    period=lambda p: 2.0 * math.pi,
+)
+"""
+# The same without an event: the plane of y and what decays across it is turned by half a turn a period.
+TURNED = """
+import math
+from contwalk.system import Mode, Parameter, State, System
+
+
+def field(t, x, p, dx):
+    c, s = math.cos(0.5 * t), math.sin(0.5 * t)
+    along, across = c * x[1] + s * x[2], c * x[2] - s * x[1]
+    dx[0] = 1.0 - x[0] ** 2 - along**2 + 0.1 * math.cos(t)
+    a, b = (p.lam - x[0]) * along - 0.5 * across, 0.5 * along - across
+    dx[1], dx[2] = a * c - b * s, a * s + b * c
+
+
+SYSTEM = System(
+    "turned",
+    states=(State("x"), State("y"), State("z")),
+    parameters=(Parameter("lam", 0.5),),
+    modes=(Mode("only", field),),
+    period=lambda p: 2.0 * math.pi,
+)
+"""
+FAMILIES = """
+system: ./{name}.py
+start: {{simulate: {{state: {{{state}}}, until: settled}}}}
+continue: {{parameter: lam, range: [-1.1, 1.1]}}
+diagram: {{follow: [BP, PD], depth: 4}}
+output: {name}.h5
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "plugin", "state"),
+    [
+        ("flipped", FLIPPED, "x: 1.0, y: 0.0"),
+        pytest.param("turned", TURNED, "x: 1.0, y: 0.0, z: 0.0", marks=pytest.mark.slow),
+    ],
+)
+def test_a_doubled_branch_that_ends_on_another_family_leads_to_it(tmp_path, name, plugin, state):
+    """Doubled orbits with the mean of x at lam lead from the family at x = 1 to that at x = -1.
+
+    On these x = u' / u with u'' = (1 + cos(t) / 10) u, so that the mean is a Floquet exponent of Mathieu's
+    equation, on either of its sides. The family that is unstable was told as the parent, and lost.
+    """
+    _, branches, _ = studied(tmp_path, name, plugin, FAMILIES.format(name=name, state=state))
+    assert [b.info.origin for b in branches] == ["the simulation", "b1/PD1", "b2/BP1"]
+    end = next(p for p in branches[1].special_points if p.kind == "rejoined")
+    doublings = [next(p for p in b.special_points if p.label == "PD") for b in (branches[0], branches[2])]
+    exponent = mathieu_exponent()
+    for point, expected in ((doublings[0], exponent), (doublings[1], -exponent), (end, -exponent)):
+        # SciPy's steps at 1e-12 leave 1e-11.
+        assert abs(point.parameters["lam"] - expected) <= point.error + 1e-11
+    assert (doublings[1].unstable_before, doublings[1].unstable_after) == (1, 2)
+
+
+def mathieu_exponent() -> float:
+    """The positive Floquet exponent of u'' = (1 + cos(t) / 10) u."""
+    columns = [
+        solve_ivp(
+            lambda t, u: [u[1], (1.0 + 0.1 * math.cos(t)) * u[0]],
+            (0.0, 2.0 * math.pi),
+            unit,
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-12,
+        ).y[:, -1]
+        for unit in ([1.0, 0.0], [0.0, 1.0])
+    ]
+    return math.log(max(abs(np.linalg.eigvals(np.array(columns))))) / (2.0 * math.pi)

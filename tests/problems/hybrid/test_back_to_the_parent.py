@@ -37,4 +37,4 @@ def test_a_branch_that_hardly_bends_at_its_parent_ends_there():
     (point,) = [p for p in doubled.special_points if p.label != "EP"]
     assert (point.label, point.kind, point.criticality) == ("BP", "pitchfork", "supercritical")
     assert abs(point.parameters["force"] - PARENTS) <= point.error <= 1e-8
-    assert "its parent again" in point.note
+    assert "repeats itself here, or is its own image" in point.note
