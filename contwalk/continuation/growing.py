@@ -18,8 +18,6 @@ from contwalk.continuation.state import ContinuationState, begin
 from contwalk.labels import END, MARK, OF_LOCI
 from contwalk.problems.problem import LimitType, PointType, Problem, Seed
 
-# Labels of points at which a branch is born across the one that it leaves: one multiplier of it is one there.
-BORN = ("PD", "BP")
 # Points of two branches are one where the parameter is the same within so many times their errors, and this
 # part of itself: special points that are not the same lie farther apart.
 ONE_PLACE, TINY = 100.0, 1e-9
@@ -118,8 +116,9 @@ def _counted(state: ContinuationState, seed: Seed, point: SpecialPoint) -> Conti
     At the point itself its multiplier is one. Beside it, where a cycle explodes, it may differ from one by
     less than it is known to.
     """
-    pitchfork = seed.label in BORN and abs(point.unstable_after - point.unstable_before) == 1
-    if seed.problem.meshed is None or seed.tangent is None or not pitchfork or point.criticality is None:
+    # Of points that one multiplier passes only doublings and pitchforks have a criticality.
+    born = point.criticality is not None and abs(point.unstable_after - point.unstable_before) == 1
+    if seed.problem.meshed is None or seed.tangent is None or not born:
         return state
     least = min(point.unstable_before, point.unstable_after)
     count = least + (point.criticality == "subcritical")
