@@ -23,6 +23,7 @@ from contwalk.continuation.locating import (
     Disagreement,
     Found,
     accepted,
+    first_accepted,
     locate,
     locate_multiple,
 )
@@ -333,9 +334,9 @@ def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[
         located = Located(sample.z, known, {"note": SECOND}, refined=False)
         return Found(theta, kind, located, sample, kind="unlocated")
     doubt = min(_doubt(segment.at(low), segment.at(high), which), 1.0)
-    for each in (*kind.flat, kind):
-        if (fold := accepted(segment, each, sample, which, low - doubt, high + doubt)) is not None:
-            return fold
+    fold = first_accepted(segment, (*kind.flat, kind), sample, which, low - doubt, high + doubt)
+    if fold is not None:
+        return fold
     note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."
     return Found(
         theta, kind, Located(sample.z, width, {"note": note}, refined=False), sample, kind="unlocated"
@@ -358,7 +359,8 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
         sample = segment.at(theta)
         kind = crossed(segment.problem, sample, which)
         if kind is not None:
-            return accepted(segment, kind, sample, which, left, right)
+            still = abs(float(sample.tangent[-1] / sample.weights[-1])) <= FLAT
+            return first_accepted(segment, (kind, *kind.flat * still), sample, which, left, right)
         # A real eigenvalue: its place is enough, and nearer to it the corrector may be singular.
         met = abs(sample.measures[which]) <= sample.errors[which]
         return theta if met or right - left < NEAR_REAL else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -129,12 +129,19 @@ def _accepted(
     return Found(min(max(theta, 0.0), 1.0), kind, settled, sample_at(segment, kind, settled, near))
 
 
+def first_accepted(
+    segment: Segment, kinds: Sequence[PointType], near: Sample, which: int, left: float, right: float
+) -> Found | None:
+    """The point of the first of some kinds that is `accepted`."""
+    found = (accepted(segment, kind, near, which, left, right) for kind in kinds)
+    return next((point for point in found if point is not None), None)
+
+
 def locate_multiple(segment: Segment, theta: float) -> Found | None:
     """The point near theta at which the null space of F_u has more than one dimension."""
     span = 1e-4
     kinds = kinds_of_test(segment.problem, Test.TOGETHER)
-    found = (accepted(segment, kind, segment.at(theta), 0, theta - span, theta + span) for kind in kinds)
-    return next((point for point in found if point is not None), None)
+    return first_accepted(segment, kinds, segment.at(theta), 0, theta - span, theta + span)
 
 
 def _on_branch(

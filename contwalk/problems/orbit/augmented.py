@@ -41,6 +41,8 @@ MOST_REFINEMENTS = 4
 MOVED, MOVED_ALONG = 1e-2, 0.3
 # Along such a branch: steps at most, their length, and how near to the zero they end.
 MOST_MOVES, LONGEST, NEAREST = 100, 5e-3, 1e-8
+# A point's own multiplier is this near to what it should be there, or so many times what it is known to.
+CRITICAL, KNOWN = 0.1, 10.0
 # Displacement along the branch, in the metric, for the rate of a function that has no derivatives.
 BESIDE = 1e-4
 
@@ -105,9 +107,24 @@ def located(problem: OrbitData, kind: OrbitKind, sample: Sample, which: int) -> 
     """The point of a kind near a sample, found on its own steps; `refine` finds it on finer ones."""
     try:
         system = kind.system(problem, sample, which)
-        return None if system is None else solved(problem, system, sample)
+        found = None if system is None else solved(problem, system, sample)
     except (np.linalg.LinAlgError, NotFinite):
         return None
+    if found is None or kind.multiplier != -1.0:
+        return found
+    return replace(found, refine=lambda: _with_multiplier(found.settled(), -1.0))
+
+
+def _with_multiplier(found: Located | None, critical: float) -> Located | None:
+    """A point that has a critical multiplier, as far as that is known, or None.
+
+    Where deviations grow by more than double precision holds, an augmented system may be singular elsewhere.
+    """
+    if found is None:
+        return None
+    known = found.problem.multipliers(found.z, found.problem.linearize(found.z).jacobian)
+    each = known.accuracy if known.accuracies is None else known.accuracies
+    return None if np.all(np.abs(known.values - critical) > CRITICAL + KNOWN * each) else found
 
 
 def solved(problem: OrbitData, system: Augmented, sample: Sample) -> Located | None:
@@ -346,3 +363,17 @@ def where_zero(
     """
     ahead, behind = (value(problem, sample.z + h * sample.tangent) for h in (BESIDE, -BESIDE))
     return along(sample, value, (ahead - behind) / (2.0 * BESIDE))
+
+
+def along_branch(problem: OrbitData, sample: Sample, multiplier: float) -> Augmented | None:
+    """A real multiplier at 1 or -1 near a sample, where the parameter stands still."""
+
+    def value(there: OrbitData, z: np.ndarray) -> float:
+        found = there.multipliers(z, there.linearize(z).jacobian).values * multiplier
+        nearest = complex(found[int(np.argmin(np.abs(found - 1.0)))])
+        return float(np.log(nearest.real)) if nearest.imag == 0.0 < nearest.real else float("nan")
+
+    system = where_zero(problem, sample, value)
+    # On other steps the branch is as far along as errors of the steps are worth, where the multiplier is
+    # another by far.
+    return None if system is None else replace(system, across=sample.tangent / sample.weights**2)

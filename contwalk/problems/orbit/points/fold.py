@@ -7,12 +7,10 @@ the solution of F = 0 and that multiplier = 1, along the branch.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from contwalk.problems.orbit import normal_forms, variations
-from contwalk.problems.orbit.augmented import Augmented, Near, where_zero
+from contwalk.problems.orbit.augmented import Augmented, Near, along_branch
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.point_records import Form
@@ -27,7 +25,7 @@ class FlatFold(OrbitPoint):
 
     def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
         """A real multiplier at one."""
-        return _flat_fold(problem, sample)
+        return along_branch(problem, sample, self.multiplier)
 
     def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """The coefficients of the return map's normal form."""
@@ -74,17 +72,3 @@ def fold_system(problem: OrbitData, near: Near) -> Augmented:
         return {"right": v, "left": psi}
 
     return Augmented(evaluate, near.z, near.weights, vectors, in_plane=in_plane)
-
-
-def _flat_fold(problem: OrbitData, sample: Sample) -> Augmented | None:
-    """A real multiplier at one, where the parameter stands still."""
-
-    def value(there: OrbitData, z: np.ndarray) -> float:
-        found = there.multipliers(z, there.linearize(z).jacobian).values
-        nearest = complex(found[int(np.argmin(np.abs(found - 1.0)))])
-        return float(np.log(nearest.real)) if nearest.imag == 0.0 < nearest.real else float("nan")
-
-    system = where_zero(problem, sample, value)
-    # On other steps the branch is as far along as errors of the steps are worth, where the multiplier is
-    # another by far.
-    return None if system is None else replace(system, across=sample.tangent / sample.weights**2)

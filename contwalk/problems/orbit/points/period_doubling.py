@@ -1,6 +1,9 @@
 """Points at which a multiplier is -1: the segments' derivatives, closed by -1, are singular.
 
 The orbit is doubled (PD); of half a symmetric orbit, its whole loses the symmetry (BP).
+
+In an explosion of cycles other steps have the multiplier elsewhere along the branch, by far more than an
+augmented system is solved for: the point is then where F = 0 and that multiplier is -1, along the branch.
 """
 
 from __future__ import annotations
@@ -11,7 +14,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit import normal_forms, variations
-from contwalk.problems.orbit.augmented import Augmented, Near
+from contwalk.problems.orbit.augmented import Augmented, Near, along_branch
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.point_records import PAIR, Form, criticality_of, known, negligible
@@ -38,10 +41,14 @@ class _Flip(OrbitPoint):
         return -1.0 + 0.0j
 
 
-class PeriodDoubling(_Flip):
-    """The orbit is doubled."""
+class FlatDoubling(_Flip):
+    """The orbit is doubled where the parameter stands still."""
 
     label = "PD"
+
+    def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
+        """A real multiplier at -1, along the branch."""
+        return along_branch(problem, sample, self.multiplier)
 
     def tells(self, problem: OrbitData, sample: Sample, which: int) -> bool:
         """A negative multiplier of a whole orbit."""
@@ -59,6 +66,16 @@ class PeriodDoubling(_Flip):
     def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
         """The doubled orbit. z has the shape (N + 1,)."""
         return problem.doubled_from(z)
+
+
+class PeriodDoubling(FlatDoubling):
+    """The orbit is doubled."""
+
+    flat = (FlatDoubling(),)
+
+    def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
+        """A multiplier at -1."""
+        return flip_system(problem, sample)
 
 
 class SymmetryBreaking(_Flip):
