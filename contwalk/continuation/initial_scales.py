@@ -10,11 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.continuation.metric import UNKNOWN
-from contwalk.numerics.linear import Factored, kernel_direction
+from contwalk.numerics.linear import Factored, kernel_direction, norm_in
 from contwalk.problems.problem import Linearization, Problem, Sample
 
 # Unknowns this many times their own error, or less, are zero.
 NOISE = 1e3
+# Harmonics up to this one are told by the power of the amplitude that they grow with.
+MOST_POWER = 12.0
 # A solution without its noise is one if its residuals are this many times their rounding, as of any solution.
 ROUNDED = 20.0
 
@@ -44,19 +46,40 @@ def initial_magnitudes(
     return np.where(further, np.fmax(magnitudes, moved), magnitudes)
 
 
-def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray) -> np.ndarray:
+def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray, origin: Sample) -> np.ndarray:
     """Typical magnitudes where some were not known at the last point, shape (N + 1,), NaN where still so.
 
     One that begins to move is scaled by how far it moves with the others, not by how little it has moved yet.
+    `origin` is where the walk began.
     """
     z = np.where(np.abs(sample.z) <= _NOTHING * weights, 0.0, sample.z)
     if problem.line.second is None:  # of two free parameters each is an unknown
         z[-1] = sample.parameter
     known = problem.linearize(z).magnitudes
-    moved = np.abs(sample.tangent)
+    powers = _by_power(sample, origin, weights)
+    moved = np.fmax(np.abs(sample.tangent), powers)
     # A declared scale may be one as well; it stays what it is.
-    begins = (known != UNKNOWN) & (z != 0.0) & (moved > _NOTHING * weights)
+    begins = (z != 0.0) & (moved > _NOTHING * weights) | np.isfinite(powers)
+    begins &= known != UNKNOWN
     return np.where(begins, np.fmax(np.abs(z), moved), known)
+
+
+def _by_power(sample: Sample, origin: Sample, weights: np.ndarray) -> np.ndarray:
+    """How far each unknown moves over the arclength 1, as the power of it that it has moved by so far.
+
+    Beside a branch point a harmonic grows like a power of the amplitude. In units of how little that is the
+    others' way would be endless. NaN where no power tells, shape (N + 1,).
+    """
+    gone = sample.z - origin.z
+    far = norm_in(gone, weights)
+    powers = np.full(len(gone), np.nan)
+    moves = (gone != 0.0) & (origin.z == 0.0)
+    if not 0.0 < far < 1.0:
+        return powers
+    powers[moves] = far * sample.tangent[moves] / gone[moves]
+    powers[~((powers > 1.0) & (powers <= MOST_POWER))] = np.nan
+    moved: np.ndarray = np.abs(gone) * far**-powers
+    return moved
 
 
 # What an unknown moves by is rounding noise of zero below this part of what it may be.

@@ -138,7 +138,7 @@ def grown(
     # What nothing tells yet, as drifts never, need not be asked for again, nor a declared scale of one.
     new = (known == UNKNOWN) & np.isfinite(magnitudes) & (magnitudes != UNKNOWN)
     if problem.meshed is None and np.any(new[:-1]):
-        magnitudes = later_magnitudes(problem, sample, known)
+        magnitudes = later_magnitudes(problem, sample, known, origin)
     weights = updated(known, crowded(problem, magnitudes), settings, sizes, sample.z)
     factor = norm_in(sample.tangent, weights)
     rates = sample.rates.scaled(1.0 / factor)

@@ -65,7 +65,7 @@ def test_rounding_noise_tells_no_scale():
     weights = branch.points["weights"]
     assert weights.min() > 1e-8
     assert weights.max() < 1e3
-    assert len(branch) < 80  # a step moves the parameter by a 64th of the range at most
+    assert len(branch) < 150  # a step moves the parameter by a 64th of the range at most
 
 
 def test_a_start_whose_state_is_zero_is_scaled_by_how_it_moves():
@@ -108,6 +108,29 @@ def test_a_declared_scale_of_one_is_no_reason_to_look_again(monkeypatch):
 def field_of_a_line(t, x, p, dx):
     dx[0] = p.lam - x[0]
     dx[1] = 2.0 + p.lam - x[1]
+
+
+def harmonics(t, x, p, dx):
+    """A pitchfork, and eight harmonics of its amplitude: x_k = x_0^(k + 1)."""
+    dx[0] = p.lam * x[0] - x[0] ** 3
+    for k in range(1, 9):
+        dx[k] = x[0] * x[k - 1] - x[k]
+
+
+def test_harmonics_are_scaled_by_how_far_they_move_with_the_amplitude():
+    """By how little they had moved at first, 1e-21, each factor of the amplitude took a hundred steps."""
+    problem = small_problem(harmonics, "abcdefghi", {"lam": -0.01}, "lam")
+    trivial = cw.continue_branch(problem, np.zeros(9), (-4.0, 0.05))
+    branch = cw.switch_branch(problem, trivial, "BP1", range=(-4.0, 0.05))
+    assert branch.outcome.reason == "bound"
+    born = int(np.argmin(np.abs(branch.points["s"])))
+    weights = branch.points["weights"][born + 1]
+    powers = np.arange(2.0, 10.0)
+    # each power is larger than the last one by as much: that of all that moves along the arclength 1
+    steepness = np.diff(np.log(weights[1:9]))
+    assert steepness == pytest.approx(np.full(7, steepness[0]), rel=1e-2)
+    assert np.all(weights[1:9] > 0.1 * weights[0] ** powers)
+    assert len(branch) < 150
 
 
 # -- the parameter -------------------------------------------------------------------------------------------
