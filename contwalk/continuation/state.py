@@ -60,9 +60,12 @@ def begin(
     """
     value = float(z[-1])
     if toward is None:
-        correction = correct(
-            problem, z, _across(problem, z), problem.beginnings(z), iterations=60, damped=True
-        )
+        across, known = _across(problem, z), problem.beginnings(z)
+        # Curves begin near their solution, and derivatives of values are known along it alone: what is left
+        # across makes the next correction larger than damping allows, and full steps get there.
+        correction = None if problem.line.second is None else correct(problem, z, across, known)
+        if correction is None or not correction.ok:
+            correction = correct(problem, z, across, known, iterations=60, damped=True)
         if not correction.ok:
             return correction
         problem, z = correction.problem, correction.z

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 EPSILON = float(np.finfo(float).eps)
+# A row below the smallest normal float is zero: its inverse would overflow.
+SMALLEST = float(np.finfo(float).tiny)
 
 
 def equilibration(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -85,7 +87,7 @@ class Factored(Factorization):
             self.columns = weights
             scaled = matrix * weights
             largest = np.abs(scaled).max(axis=1)
-            self.rows = 1.0 / np.where(largest > 0.0, largest, 1.0)
+            self.rows = 1.0 / np.where(largest > SMALLEST, largest, 1.0)
             self._scaled = scaled * self.rows[:, None]
 
     def solve(self, right: np.ndarray) -> np.ndarray:

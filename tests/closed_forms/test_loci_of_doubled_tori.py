@@ -17,6 +17,9 @@ from hybrid_runs import branch_of
 from loci_of_orbits import FINE, WALKED, assert_at, labels, largest, map_as_machine, map_plugin, studied
 
 import contwalk as cw
+from contwalk.continuation.reopening import reopened
+from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import ContinuationState, begin
 
 pytestmark = pytest.mark.slow
 
@@ -84,3 +87,34 @@ def test_tori_of_doubled_orbits_end_where_these_become_single():
     assert end.error is None  # a place on the way, whose parameters nothing tells the errors of
     assert np.hypot(end.parameters["e1"], end.parameters["e2"]) < 1e-3
     assert "become the one that they were born from" in end.note
+
+
+def leslie():
+    """Two ages with (x, y) -> (F (x + y) exp(-(x + y) / 10), s x): R2 where s = 1/2, F = e^4 / (1 + s)."""
+    return map_as_machine(
+        lambda x, p: (p.F * (x[0] + x[1]) * np.exp(-0.1 * (x[0] + x[1])), p.s * x[0]),
+        "xy",
+        {"F": 28.0, "s": 0.47},
+    )
+
+
+def test_both_curves_of_tori_begin_where_states_are_far_larger_than_their_scale() -> None:
+    """The tori of doubled orbits are sixty times as large as a scale of one lets expect.
+
+    Those of the single orbits are held by values, whose derivatives are known along solutions alone: damped
+    steps did not get to them from beside the point.
+    """
+    system = leslie()
+    x = 10.0 * math.log(28.0 * 1.47) / 1.47
+    branch = branch_of(system, "F", (28.0, 31.0), [x, 0.47 * x])
+    ranges = {"F": (28.0, 38.0), "s": (0.465, 0.505)}
+    curve = cw.continue_locus(system, branch, "PD1", ranges, **FINE)
+    assert_at(curve, "R2", [(math.exp(4.0) / 1.5, 0.5)])
+    (point,) = [p for p in curve.special_points if p.label == "R2"]
+    problem, _ = reopened(system, curve, point)
+    (kind,) = [kind for kind in problem.point_types if kind.has(point)]
+    settings = Settings(range=ranges["F"], second_range=ranges["s"])
+    seeds = kind.seeds(problem, point)
+    assert [seed.label for seed in seeds] == ["NS", "NS"]
+    for seed in seeds:
+        assert isinstance(begin(seed.problem, seed.z, settings, seed.tangent), ContinuationState)

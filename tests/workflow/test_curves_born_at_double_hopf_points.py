@@ -40,17 +40,20 @@ output: two_pairs.h5
 """
 
 
-def test_tori_of_both_cycles_are_followed_from_a_double_hopf_point(tmp_path) -> None:
-    _, (_, *curves), _ = studied(tmp_path, "two_pairs", PLUGIN, RUN)
+@pytest.mark.parametrize("share", [0.5, 0.01])
+def test_tori_of_both_cycles_are_followed_from_a_double_hopf_point(tmp_path, share) -> None:
+    """Where r changes the growth of s little, the cycle with a torus is larger, as in Lorenz-84."""
+    _, (_, *curves), _ = studied(tmp_path, "two_pairs", PLUGIN.replace("0.5 * r", f"{share} * r"), RUN)
     assert sorted(curve.info.settings["of"] for curve in curves) == ["HB", "HB", "NS", "NS"]
     tori = [curve for curve in curves if curve.info.settings["of"] == "NS"]
     slopes = sorted(float(np.median(curve["nu"] / curve["mu"])) for curve in tori)
-    np.testing.assert_allclose(slopes, [0.5, 1.0 / 0.6], rtol=1e-6)
+    # Multipliers are known to 1e-6 on the steps of the walk, whatever is made of them.
+    np.testing.assert_allclose(slopes, [share, 1.0 / 0.6], atol=1e-6)
     for curve in tori:
-        off = min(np.max(np.abs(curve["nu"] - k * curve["mu"])) for k in (0.5, 1.0 / 0.6))
+        off = min(np.max(np.abs(curve["nu"] - k * curve["mu"])) for k in (share, 1.0 / 0.6))
         assert off < 1e-6
         assert curve.outcome.reason == "bound"
-        assert 0.0 < curve["mu"].min() < 0.05
+        assert 0.0 < curve["mu"].min() < 0.15
 
 
 @pytest.mark.parametrize(("weak", "told"), [("1e-6", True), ("0.0", False)])

@@ -17,7 +17,7 @@ from contwalk.errors import StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.equilibrium.points.hopf import Hopf
-from contwalk.problems.locus.doubled_orbits import born_beside
+from contwalk.problems.locus.doubled_orbits import amplitude_of_neutral, born_beside
 from contwalk.problems.locus.lines import whole_plane
 from contwalk.problems.locus.normal_forms import cubic_rate
 from contwalk.problems.locus.orbit_curves import CURVES
@@ -34,10 +34,10 @@ ASIDE = (1e-2, 3e-3, 3e-2, 1e-3, 1e-1, 3e-4)
 NEARER = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
 # Of the amplitude that is expected, what is found is no cycle below this part, and another one above that.
 SMALLER, LARGER = 0.8, 1.25
-# At double and zero-Hopf points: the amplitude of the first of two cycles, over the root of how far aside,
+# Tori are found nearer, and what lies between the point and the first one is lost.
+BESIDE = (1e-3, 3e-4, 3e-3, 1e-2, 3e-2, 1e-1)
+# At double and zero-Hopf points: the amplitude of the first of two cycles, over the root of how far aside.
 AMPLITUDE = 0.3
-# and what the cycle with a torus is expected to be of that.
-LEAST, MOST = 0.1, 6.0
 
 
 def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
@@ -63,7 +63,7 @@ def _found_beside(
     problem: Any,
     z: np.ndarray,
     born: Callable[[np.ndarray, float], Seed | None],
-    lengths: Sequence[float] = ASIDE,
+    lengths: Sequence[float],
 ) -> Sequence[Seed]:
     """As `born_beside`, of a curve of Hopf points."""
     there = problem.at(z)
@@ -119,7 +119,7 @@ def tori_of_cycles(problem: Any, z: np.ndarray, leaning: Sequence[float] = (0.0,
         each = (_torus(problem, beside, AMPLITUDE * aside**0.5, z[-2:], lean) for lean in leaning)
         return next((seed for seed in each if seed is not None), None)
 
-    return _found_beside(problem, z, born)
+    return _found_beside(problem, z, born, BESIDE)
 
 
 def tori_not_found(frequencies: Sequence[float]) -> StartError:
@@ -156,10 +156,8 @@ def _torus(problem: Any, z: np.ndarray, r: float, origin: np.ndarray, lean: floa
     def cycle(amplitude: float) -> np.ndarray:
         return newton_on(orbit, rest + amplitude * swing, sizes, normal)
 
-    growth = [float(np.log(abs(_turning(orbit, cycle(s))))) for s in (r, 2.0 * r)]
-    p = (growth[1] - growth[0]) / (3.0 * r**2)
-    nu = growth[0] - p * r**2
-    if not p * nu < 0.0 or not LEAST * r < (expected := float(np.sqrt(-nu / p))) < MOST * r:
+    expected = amplitude_of_neutral(lambda s: float(np.log(abs(_turning(orbit, cycle(s))))), r)
+    if expected is None:
         return None
     guess = cycle(expected)
     multiplier = _turning(orbit, guess)

@@ -13,7 +13,7 @@ from typing import Any
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
-from contwalk.problems.locus.doubled_orbits import DoubledOrbits, found_beside, root_of
+from contwalk.problems.locus.doubled_orbits import DoubledOrbits, amplitude_near, found_beside
 from contwalk.problems.problem import Seed
 
 
@@ -36,7 +36,11 @@ def folds_of_doubled_orbits(problem: Any, point: SpecialPoint) -> Sequence[Seed]
 
 def _fold(doubled: DoubledOrbits, r: float) -> Seed | None:
     """The fold of doubled orbits beside a doubling; r is the amplitude of the first of two."""
-    moved = [float(doubled.of(s)[-1] - doubled.free) for s in (r, 2.0 * r)]
-    c, e = (16.0 * moved[0] - moved[1]) / (12.0 * r**2), (moved[1] - 4.0 * moved[0]) / (12.0 * r**4)
-    expected = root_of(-c / (2.0 * e), r) if e else None
+
+    def squared(r: float) -> float:
+        near, far = (float(doubled.of(s)[-1] - doubled.free) for s in (r, 2.0 * r))
+        c, e = (16.0 * near - far) / (12.0 * r**2), (far - 4.0 * near) / (12.0 * r**4)
+        return -c / (2.0 * e) if e else 0.0
+
+    expected = amplitude_near(squared, r)
     return None if expected is None else doubled.curve("LP", expected)

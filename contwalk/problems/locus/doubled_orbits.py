@@ -21,8 +21,10 @@ from contwalk.problems.problem import Seed
 ASIDE = (1e-2, 3e-2, 3e-3, 1e-1, 3e-4)
 # The amplitude of the first of two orbits, over the root of that.
 AMPLITUDE = 0.3
-# What is looked for is expected no farther from that amplitude than by these factors,
+# What is looked for is expected no farther from that amplitude than by these factors; where it is, two other
+# orbits are measured, so many times and up to this amplitude, in typical magnitudes;
 LEAST, MOST = 0.1, 6.0
+MEASURED, FAR = 3, 1.0
 # and what is found is what is expected where its amplitude is that by these.
 SMALLER, LARGER = 0.7, 1.4
 
@@ -134,7 +136,28 @@ def born_beside(
     return []
 
 
-def root_of(squared: float, r: float) -> float | None:
-    """The amplitude whose square this is, if it is one near r."""
-    near = LEAST * r < (amplitude := float(np.sqrt(max(squared, 0.0)))) < MOST * r
-    return amplitude if near else None
+def amplitude_of_neutral(growth: Callable[[float], float], r: float) -> float | None:
+    """The amplitude at which nu + p r^2, the growth beside orbits of the amplitude r, passes zero."""
+
+    def squared(r: float) -> float:
+        near, far = growth(r), growth(2.0 * r)
+        p = (far - near) / (3.0 * r**2)
+        return r**2 - near / p if p else 0.0
+
+    return amplitude_near(squared, r)
+
+
+def amplitude_near(squared: Callable[[float], float], r: float) -> float | None:
+    """The amplitude that two orbits tell, of amplitudes r and 2 r, which may need to be others than r.
+
+    `squared` is given r and returns its square. None where it is no square, or too far away.
+    """
+    for _ in range(MEASURED):
+        found = squared(r)
+        if not 0.0 < found < FAR**2:
+            return None
+        amplitude = float(np.sqrt(found))
+        if LEAST * r < amplitude < MOST * r:
+            return amplitude
+        r = 0.5 * amplitude
+    return None

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.locus.doubled_orbits import DoubledOrbits, found_beside, root_of
+from contwalk.problems.locus.doubled_orbits import DoubledOrbits, amplitude_of_neutral, found_beside
 from contwalk.problems.problem import Seed
 
 
@@ -25,9 +25,7 @@ def tori_of_doubled_orbits(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
 
 def _torus(doubled: DoubledOrbits, r: float) -> Seed | None:
     """The torus of doubled orbits beside a doubling; r is the amplitude of the first of two."""
-    growth = [float(np.log(abs(np.prod(_pair(doubled, s))))) for s in (r, 2.0 * r)]
-    p = (growth[1] - growth[0]) / (3.0 * r**2)
-    expected = root_of(r**2 - growth[0] / p, r) if p else None
+    expected = amplitude_of_neutral(lambda s: float(np.log(abs(np.prod(_pair(doubled, s))))), r)
     if expected is None:
         return None
     first = complex(_pair(doubled, expected)[0])
