@@ -269,8 +269,9 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
     """Value, scale and place of a limit that a guard has."""
     if test == "rate":
         whole = max(watch.fastest, 1e-300)
-        per_second = duration if duration != 0.0 else 1.0
-        return -watch.last_rate / per_second, whole / abs(per_second), 1.0
+        if abs(duration) <= NO_TIME * watch.total:  # over no time a rate is rounding, and so is its sign
+            return np.inf, whole, 1.0
+        return -watch.last_rate / duration, whole / abs(duration), 1.0
     if test in ("start", "end"):
         return _at_an_end(test == "start", watch, duration)
     scale, guard, samples = watch.scale, watch.guard, watch.samples
