@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.explicit import runge_kutta as explicit
+from contwalk.flow.explicit.several_paths import ADAPTIVE_EACH, adaptive_each
 from contwalk.flow.gauss import gauss_collocation as gauss
 from contwalk.flow.path import ErrorControl, Path, Tangents
 from contwalk.flow.radau import radau_iia as radau
@@ -39,6 +40,7 @@ def warmup() -> None:
     """Compile what all fields share, or find it compiled in the cache."""
     for family in FAMILIES:
         family.warmup()
+    _ = ADAPTIVE_EACH.address
 
 
 def adaptive(
@@ -90,6 +92,37 @@ def controlled(
         As `adaptive`.
     """
     return _family(method).adaptive(field, c, t0, x0, t1, _checked(control), method)
+
+
+def controlled_each(
+    field: CompiledField,
+    c: np.ndarray,
+    bounds: np.ndarray,
+    x0: np.ndarray,
+    control: ErrorControl,
+    method: str = "dop853",
+) -> list[Path]:
+    """As `controlled`, of several paths; by explicit methods in one call of compiled code.
+
+    Parameters
+    ----------
+    bounds : ndarray, shape (m, 2)
+        When each path begins, and ends.
+    x0 : ndarray, shape (m, n)
+        Start of each.
+
+    Raises
+    ------
+    ValueError
+        As `adaptive`.
+    """
+    family, control = _family(method), _checked(control)
+    if family is explicit:
+        return adaptive_each(field, c, bounds, x0, control, method)
+    times = bounds.tolist()
+    return [
+        family.adaptive(field, c, t0, x, t1, control, method) for (t0, t1), x in zip(times, x0, strict=True)
+    ]
 
 
 def _checked(control: ErrorControl) -> ErrorControl:

@@ -8,13 +8,13 @@ always gets the same method.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk.flow.compiled.compiled_field import CompiledField
-from contwalk.flow.integrate import controlled
+from contwalk.flow.integrate import controlled, controlled_each
 from contwalk.flow.path import FINER, STEADY, ErrorControl, Path
 
 IMPLICIT = "radau9"
@@ -89,10 +89,12 @@ def choose(
     t1: float,
     control: ErrorControl,
     carried: Carried | None = None,
+    tried: Path | None = None,
 ) -> Choice:
     """The method that does least work on the path from (t0, x0) to t1; arguments as for `controlled`.
 
-    `carried` are the tangents that are to be computed on the steps of the path, from neighbouring starts.
+    `tried` is the explicit pair's path, where it is known already. `carried` are the tangents that are to be
+    computed on the steps of the path, from neighbouring starts.
     Explicit steps at the limit of stability, taken again, would go beyond it: at a price they are made finer.
     """
 
@@ -103,7 +105,7 @@ def choose(
         return explicit_work(field, path, carried)
 
     longest, pair = control.max_steps, explicit_pair(control.tolerance)
-    explicit = run(pair, TRIAL_STEPS)
+    explicit = run(pair, TRIAL_STEPS) if tried is None else tried
     spent = explicitly(explicit)
     if explicit.status == "ok" and not _notable(explicit):
         return _chosen(pair, _limited(pair, explicit), explicit, explicit, spent)
@@ -121,6 +123,29 @@ def choose(
     if explicit.status == "ok" and spent <= work:
         return _chosen(pair, _limited(pair, explicit), explicit, explicit, spent, work)
     return _chosen(IMPLICIT, _against(explicit, spent, work), implicit, explicit, spent, work)
+
+
+def choose_each(
+    field: CompiledField,
+    c: np.ndarray,
+    bounds: np.ndarray,
+    x0: np.ndarray,
+    control: ErrorControl,
+    carried: Carried | None = None,
+) -> Iterator[Choice]:
+    """As `choose`, of several paths; arguments as for `controlled_each`.
+
+    Explicit steps of all are tried in one call; what more a path needs is done when it is asked for.
+    """
+    times = bounds.tolist()
+    if len(times) == 1:
+        yield choose(field, c, times[0][0], x0[0], times[0][1], control, carried)
+        return
+    pair = explicit_pair(control.tolerance)
+    trial = control._replace(max_steps=min(TRIAL_STEPS, control.max_steps))
+    paths = controlled_each(field, c, bounds, x0, trial, pair)
+    for (t0, t1), x, tried in zip(times, x0, paths, strict=True):
+        yield choose(field, c, t0, x, t1, control, carried, tried)
 
 
 def _rhs(field: CompiledField) -> float:

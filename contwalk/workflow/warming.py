@@ -34,7 +34,7 @@ def warm() -> tuple[list[Warmed], Path]:
     from contwalk.flow.gauss import gauss_collocation as gauss
     from contwalk.flow.hybrid import event_integrator
     from contwalk.flow.radau import radau_iia as radau
-    from contwalk.problems.orbit import condensed, periodic_schur
+    from contwalk.problems.orbit import condensed, periodic_schur, quotients
 
     parts: dict[str, Callable[[], None]] = {
         "explicit methods (dop853, verner98)": explicit.warmup,
@@ -43,7 +43,8 @@ def warm() -> tuple[list[Warmed], Path]:
         "sampling": sampling.warmup,
         "hybrid machines": event_integrator.warmup,
         "condensed linear systems": condensed.warmup,
-        "multipliers of many segments": periodic_schur.warmup,
+        "products of many segments": periodic_schur.warmup,
+        "multipliers": quotients.warmup,
     }
     folder = object_cache.directory()
     return [_warmed(name, part, folder) for name, part in parts.items()], folder

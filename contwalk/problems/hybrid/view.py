@@ -148,34 +148,23 @@ class GuardedView(LegView):
     def turning(self) -> list[list[tuple[int, float, float, float]]]:
         """Where each guard out of the mode turns: after which sample, when, value, rate before."""
         found: list[list[tuple[int, float, float, float]]] = [[] for _ in self.piece.passage.leaving]
-        if not self.left:
-            self._turn(found, None, self.times, self._guards)
+        if self.left:
+            others = [k for k in range(len(found)) if k not in self.left]
+            each = _brackets(self.times, self._guards, others), _brackets(*self._early, self.left)
+            brackets = [np.concatenate(parts) for parts in zip(*each, strict=True)]
+        else:
+            brackets = list(_brackets(self.times, self._guards))
+        after, which, before = brackets[0], brackets[1], brackets[6]
+        if not len(after):
             return found
-        self._turn(found, [k for k in range(len(found)) if k not in self.left], self.times, self._guards)
-        self._turn(found, self.left, *self._early)
-        return found
-
-    def _turn(
-        self,
-        found: list[list[tuple[int, float, float, float]]],
-        which: list[int] | None,
-        t: np.ndarray,
-        guards: np.ndarray,
-    ) -> None:
-        """Add where some guards turn, or all; they are evaluated together."""
-        rates = guards[:, 1::2] if which is None else guards[:, [2 * k + 1 for k in which]]
-        a, b = rates[:-1], rates[1:]
-        k, g = (((a < 0.0) & (b >= 0.0)) | ((a > 0.0) & (b <= 0.0))).nonzero()
-        if not len(k):
-            return
-        own = g if which is None else np.array(which)[g]
-        value, rate, after = 2 * own, 2 * own + 1, k + 1
-        before = guards[k, rate]
-        at = turns(t[k], t[after], guards[k, value], guards[after, value], before, guards[after, rate])
-        values = self._watched(at, self.at(at))[np.arange(len(k)), value]
-        entries = zip(k.tolist(), at.tolist(), values.tolist(), before.tolist(), strict=True)
-        for number, entry in zip(own.tolist(), entries, strict=True):
+        at = turns(*brackets[2:])
+        states = self.at(at)
+        at_rest = np.zeros_like(states)  # the guards' rates are not asked for
+        values = self._watched(at, states, at_rest)[np.arange(len(at)), 2 * which]
+        entries = zip(after.tolist(), at.tolist(), values.tolist(), before.tolist(), strict=True)
+        for number, entry in zip(which.tolist(), entries, strict=True):
             found[number].append(entry)
+        return found
 
     @computed_once
     def conditions(self) -> dict[str, float]:
@@ -202,6 +191,21 @@ def _stepped(piece: Piece, x: np.ndarray, scalars: np.ndarray, share: float) -> 
     inside = piece.steps[piece.steps < share - 1e-12] / share
     shorter = replace(piece, steps=np.append(inside, 1.0))
     return shorter.before(PLAIN, x, np.concatenate([[scalars[0] * share], scalars[1:]]))
+
+
+def _brackets(t: np.ndarray, guards: np.ndarray, which: list[int] | None = None) -> tuple[np.ndarray, ...]:
+    """Where some guards turn, or all, between two of their samples: after which one, which guard, and the
+    times, values and rates of both.
+
+    Times have the shape (k,), guards with their rates (k, 2 g).
+    """
+    rates = guards[:, 1::2] if which is None else guards[:, [2 * k + 1 for k in which]]
+    a, b = rates[:-1], rates[1:]
+    k, g = (((a < 0.0) & (b >= 0.0)) | ((a > 0.0) & (b <= 0.0))).nonzero()
+    own, after = g if which is None else np.array(which, dtype=g.dtype)[g], k + 1
+    value, rate = 2 * own, 2 * own + 1
+    ends = guards[k, value], guards[after, value], guards[k, rate], guards[after, rate]
+    return k, own, t[k], t[after], *ends
 
 
 def _pairs(row: list[float]) -> list[tuple[float, float]]:

@@ -69,7 +69,7 @@ def meshed(
     tolerance, magnitudes = control.tolerance, control.weights
 
     def integrated(variation: np.ndarray, tolerance: float) -> tuple[list[flow.Path], str, str]:
-        return stepped(runs, fixed, variation, tolerance, method, control.max_steps, far_out=not closure)
+        return stepped(runs, fixed, variation, tolerance, method, control.max_steps, closure=closure)
 
     def varied(paths: Sequence[flow.Path]) -> np.ndarray:
         return _variation(runs, fixed, paths, magnitudes, tolerance if closure else None)

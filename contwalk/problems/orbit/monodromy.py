@@ -17,6 +17,7 @@ from contwalk.problems.orbit.layout import Segment
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.multipliers import Multipliers, multipliers, of_sections
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.periodic_schur import product
 from contwalk.problems.orbit.shooting import velocity
 
 # A guard that changes by less than this part of itself in a closure, at its rate at the event, has no rate.
@@ -44,10 +45,14 @@ def chain(orbit: OrbitData, jacobian: np.ndarray) -> list[list[np.ndarray]]:
     """The factors of each of `factors`, one for each of its leg's segments.
 
     What lies between two segments of a leg is held at its instant: there a deviation along the motion is
-    one like others.
+    one like others. They are kept until another Jacobian is asked for: do not change them.
 
     The jacobian has the shape (N, N + 1).
     """
+    return orbit.known.on(jacobian, "factors", lambda: _chain(orbit, jacobian))
+
+
+def _chain(orbit: OrbitData, jacobian: np.ndarray) -> list[list[np.ndarray]]:
     layout = orbit.layout
     if orbit.in_closure:
         return [list(_factors_in_closure(orbit, jacobian))]
@@ -350,14 +355,6 @@ def trivial_error(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> floa
             if size > 0.0 and scale > 0.0:
                 worst = max(worst, norm_in(left, units) / max(scale, size))
     return worst
-
-
-def product(factors: Sequence[np.ndarray]) -> np.ndarray:
-    """The product of factors in the order in which they act."""
-    whole = factors[0]
-    for factor in factors[1:]:
-        whole = factor @ whole
-    return whole
 
 
 def _missed(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> float:

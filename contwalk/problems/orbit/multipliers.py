@@ -9,7 +9,8 @@ import numpy as np
 
 from contwalk.numerics import krein
 from contwalk.numerics.spectrum import complement
-from contwalk.problems.orbit.periodic_schur import conjugates, product_eigenvalues
+from contwalk.problems.orbit.periodic_schur import conjugates, product, product_eigenvalues
+from contwalk.problems.orbit.quotients import between
 
 Matrices = np.ndarray | Sequence[np.ndarray]
 
@@ -205,24 +206,23 @@ def multipliers(
     sizes = np.maximum(np.linalg.norm(scaled, 2, axis=(1, 2)), LEAST)
     begin = np.asarray(neutral) / magnitudes[:, None]
     end = np.roll(begin, -1, axis=0) if arriving is None else np.asarray(arriving) / magnitudes[:, None]
-    bases = complement(begin) if begin.shape[2] else None
-    quotients = _quotients(scaled, bases, end)
-    if not quotients.shape[1]:
+    n, k = begin.shape[1:]
+    if n == k:
         return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
-    values, errors = _eigenvalues(list(quotients), sizes)
+    carried = 0 if arriving is None else k - gradients
+    quotients, others = between(scaled, begin, end, carried) if k else (scaled, None)
+    values, errors = _eigenvalues(quotients, sizes)
     if positive and len(values) == 1:
         values = np.abs(values).astype(complex)
     coarser = 1.0 + GLOBAL * tolerance / ROUNDING
-    leak = np.zeros(len(values))
-    if arriving is not None and bases is not None:
-        leak = _leak(scaled, begin, end, bases, quotients, values, gradients)
+    leak = np.zeros(len(values)) if others is None else _leak(quotients, others, values)
     lost = leak > UNKNOWN * np.abs(values)
     each = np.maximum(errors * coarser, leak)
     doubted = np.where(lost, np.maximum(errors, leak / UNKNOWN), errors)
     found = Multipliers(values, doubted, float(each[0]), accuracies=each)
     if not gradients and len(values) < 3:
         return found
-    whole = np.linalg.multi_dot(list(scaled[::-1])) if len(scaled) > 1 else scaled[0]
+    whole = product(scaled)
     error = ROUNDING * coarser * max(1.0, *sizes, float(np.linalg.norm(np.nan_to_num(whole), 2)))
     found = replace(found, of_sums=error)
     return _bordering(reciprocal(found, error) if gradients else found)
@@ -307,59 +307,25 @@ def _pairs_within(values: np.ndarray, error: float) -> float:
     return max(PAIRED, 30.0 * error * float(np.max(np.abs(values), initial=1.0)))
 
 
-def _eigenvalues(
-    quotients: Sequence[np.ndarray], sizes: Sequence[float] | np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _eigenvalues(quotients: Matrices, sizes: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues of the product by descending modulus, and what rounding does to them."""
     values, errors = _single(quotients[0], sizes[0]) if len(quotients) == 1 else _product(quotients, sizes)
     order = np.lexsort((-values.imag, -np.abs(values)))
     return values[order], errors[order]
 
 
-def _quotients(factors: np.ndarray, bases: np.ndarray | None, end: np.ndarray) -> np.ndarray:
-    """Each factor between the quotient spaces at its ends, in orthonormal bases of those at the starts.
-
-    Without bases nothing is left out.
-    """
-    if bases is None:
-        return factors
-    moved = factors @ bases
-    lengths = np.linalg.norm(end, axis=1, keepdims=True)
-    # Of one direction, without a decomposition.
-    directions = end / lengths if end.shape[2] == 1 and np.all(lengths) else np.linalg.qr(end)[0]
-    there = (np.roll(bases, -1, axis=0) if len(bases) > 1 else bases).transpose(0, 2, 1)
-    along = directions @ (directions.transpose(0, 2, 1) @ moved)
-    return np.asarray(there @ (moved - along))
-
-
-def _leak(
-    factors: np.ndarray,
-    begin: np.ndarray,
-    end: np.ndarray,
-    bases: np.ndarray,
-    quotients: np.ndarray,
-    values: np.ndarray,
-    gradients: int,
-) -> np.ndarray:
+def _leak(quotients: np.ndarray, others: np.ndarray, values: np.ndarray) -> np.ndarray:
     """By how much moduli change if the directions that the factors carry along are left out instead.
 
     Both are the same but for the errors of the steps. What has grown comes to lie along these directions;
     where far more has decayed beside them, what is left there is these errors.
     """
-    k = begin.shape[2] - gradients
-    if not k:
-        return np.zeros(len(values))
-    carried = np.concatenate([factors @ begin[:, :, :k], end[:, :, k:]], axis=2)
-    if not np.all(np.any(carried, axis=1)):
-        return np.zeros(len(values))
-    others = _quotients(factors, bases, carried)
     changes = np.linalg.norm(quotients - others, axis=(1, 2))
     total = float(np.sum(changes / np.maximum(np.linalg.norm(quotients, axis=(1, 2)), LEAST)))
-    if len(factors) > 1 and total < LITTLE:
+    if len(others) > 1 and total < LITTLE:
         return total * np.abs(values)
     # Of one factor without vectors, which take longer than the eigenvalues.
-    each = list(others)
-    found = product_eigenvalues(each) if len(each) == 1 else _product(each, [1.0] * len(each))[0]
+    found = product_eigenvalues(others) if len(others) == 1 else _product(others, np.ones(len(others)))[0]
     return np.abs(np.abs(values) - np.sort(np.abs(found))[::-1])
 
 
@@ -380,21 +346,18 @@ def _single(matrix: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
     return values.astype(complex), np.minimum(condition * ROUNDING * size, size * np.sqrt(ROUNDING))
 
 
-def _product(
-    factors: Sequence[np.ndarray], sizes: Sequence[float] | np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _product(factors: Matrices, sizes: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues of an unformed product, with errors relative to their own size."""
     try:
         values = product_eigenvalues(factors)
     except np.linalg.LinAlgError:
-        product = np.linalg.multi_dot(factors[::-1]) if len(factors) > 1 else factors[0]
-        return _single(product, float(np.prod(sizes)))
+        return _single(product(factors), float(np.prod(sizes)))
     # The factors are real: what is left of an imaginary part by the complex arithmetic is rounding.
     values = np.where(np.abs(values.imag) <= REAL * np.abs(values), values.real, values).astype(complex)
     values = conjugates(values)
     # A factor is wrong by the rounding of its norm; what that does to an eigenvalue depends on how far its
     # own growth is from the largest, segment by segment.
     m = len(factors)
-    largest = float(np.prod([size ** (1.0 / m) for size in sizes]))
+    largest = float(np.prod(np.asarray(sizes) ** (1.0 / m)))
     own = np.maximum(np.abs(values), LEAST) ** (1.0 / m)
     return values, np.abs(values) * m * ROUNDING * np.maximum(largest / own, 1.0)

@@ -33,8 +33,7 @@ def repeating(steps: Sequence[np.ndarray], parts: int) -> tuple[np.ndarray, ...]
     density = 1.0 / np.diff(times)
     bounds = np.array([own[0] for own in steps] + [1.0])
     ends = distinct(np.round(np.concatenate([bounds * parts % 1.0, [0.0, 1.0]]), 12)) / parts
-    shifted = [times - p / parts for p in range(parts)]
-    part = np.concatenate([_even(times, density, shifted, low, high) for low, high in pairwise(ends)])
+    part = _even(times, density, ends, parts)
     part = np.append(part, ends[-1])
     whole = np.concatenate([part[:-1] + p / parts for p in range(parts)])
     result = []
@@ -50,19 +49,23 @@ def _apart(times: np.ndarray) -> np.ndarray:
     return np.append(times[:1], inside)
 
 
-def _even(
-    times: np.ndarray, density: np.ndarray, shifted: list[np.ndarray], low: float, high: float
-) -> np.ndarray:
-    """Times between two ends of the first part, as dense as the densest of all parts, without the last
-    one; `shifted` are the times as seen from the start of each part.
+def _even(times: np.ndarray, density: np.ndarray, ends: np.ndarray, parts: int) -> np.ndarray:
+    """Times of the first part but for its end, as dense as the densest of all parts between any two `ends`.
+
+    The ends are those of all parts' segments, as seen from the starts of the parts.
     """
-    places, parts = np.concatenate(shifted), len(shifted)
-    knots = distinct(np.concatenate([[low, high], places[(places > low) & (places < high)]]))
+    places = np.concatenate([times - p / parts for p in range(parts)])
+    knots = distinct(np.concatenate([ends, places[(places > 0.0) & (places < ends[-1])]]))
     middle = 0.5 * (knots[1:] + knots[:-1])
     every = [
         density[np.minimum(np.maximum(times.searchsorted(middle + p / parts) - 1, 0), len(density) - 1)]
         for p in range(parts)
     ]
-    count = np.concatenate([[0.0], np.cumsum(np.maximum.reduce(every) * (knots[1:] - knots[:-1]))])
-    number = max(int(np.ceil(count[-1] - 1e-9)), 1)
-    return _apart(np.append(np.interp(np.arange(number) * count[-1] / number, count, knots), high))
+    counts = np.maximum.reduce(every) * (knots[1:] - knots[:-1])
+    found = []
+    for a, b in pairwise(knots.searchsorted(ends).tolist()):
+        count = np.concatenate([[0.0], np.cumsum(counts[a:b])])
+        number = max(int(np.ceil(count[-1] - 1e-9)), 1)
+        own = np.interp(np.arange(number) * count[-1] / number, count, knots[a : b + 1])
+        found.append(_apart(np.append(own, knots[b])))
+    return np.concatenate(found)

@@ -79,6 +79,12 @@ def _two_to(power: int) -> float:
 
 
 @inlined
+def _times(factor: float, value: complex) -> complex:
+    """A real multiple, part by part: zero times infinity is not met."""
+    return complex(factor * value.real, factor * value.imag)
+
+
+@inlined
 def _rotation(a: complex, b: complex) -> tuple[complex, complex]:
     """(c, s): the unitary matrix [[c*, s*], [-s, c]] takes (a, b) to a multiple of (1, 0)."""
     larger = max(_size(a), _size(b))
@@ -170,10 +176,11 @@ def _shift(chain: int, m: int, r: int, high: int, exceptional: bool) -> tuple[co
         q, v = a[above] * q + a[above + 1] * v, a[below] * q + a[below + 1] * v
         power = max(_power(max(max(_size(p), _size(q)), max(_size(u), _size(v)))), -FARTHEST)
         scale = _two_to(-power)
-        p, q, u, v, exponent = scale * p, scale * q, scale * u, scale * v, exponent + power
+        p, q, u, v = _times(scale, p), _times(scale, q), _times(scale, u), _times(scale, v)
+        exponent += power
     if exceptional:
         return complex(_size(u) + _size(v), 0.0), exponent
-    middle, apart = 0.5 * (p + v), _root(0.25 * (p - v) * (p - v) + q * u)
+    middle, apart = _times(0.5, p + v), _root(_times(0.25, (p - v) * (p - v)) + q * u)
     one, other = middle + apart, middle - apart
     # The smaller of two graded eigenvalues is mostly rounding of the product; shifted by the larger
     # one a sweep carries nothing of the smaller to the corner. Without a shift they separate by themselves,
@@ -194,11 +201,11 @@ def _begun(chain: int, m: int, r: int, low: int, shift: complex, exponent: int) 
     for i in range(m - 1):
         product = product * complexes(chain + 16 * i * r * r, r * r)[low * r + low]
         power = _power(_size(product))
-        product, own = _two_to(-power) * product, own + power
+        product, own = _times(_two_to(-power), product), own + power
     # Whichever is larger is left as it is, so that nothing overflows.
     ahead = own - exponent
-    factor = product * _two_to(max(min(ahead, 0), -FARTHEST))
-    return a * factor - shift * _two_to(max(min(-ahead, 0), -FARTHEST)), b * factor
+    factor = _times(_two_to(max(min(ahead, 0), -FARTHEST)), product)
+    return a * factor - _times(_two_to(max(min(-ahead, 0), -FARTHEST)), shift), b * factor
 
 
 @inlined
@@ -229,7 +236,8 @@ def _deflated(last: Any, r: int) -> None:
             last[(k + 1) * r + k] = 0j
 
 
-def schur(chain: int, m: int, r: int) -> int:
+@inlined
+def _schur(chain: int, m: int, r: int) -> int:
     """Bring m factors to triangles; how many sweeps that took, or `NOT_CONVERGED`."""
     last = complexes(chain + 16 * (m - 1) * r * r, r * r)
     _triangles(chain, m, r)
@@ -250,3 +258,24 @@ def schur(chain: int, m: int, r: int) -> int:
         a, b = _begun(chain, m, r, low, shift, exponent)
         _sweep(chain, m, r, low, high, a, b)
     return all_sweeps
+
+
+def eigenvalues(chain: int, m: int, r: int, values: int) -> int:
+    """Bring m factors to triangles, and multiply their diagonals; how many sweeps that took, or
+    `NOT_CONVERGED`.
+
+    Partial products may lie far beyond the range of doubles where the whole lies in it: powers of two are
+    taken out on the way, and change no digit.
+    """
+    sweeps, found = _schur(chain, m, r), complexes(values, r)
+    for k in range(r):
+        product, exponent = 1.0 + 0j, 0
+        for i in range(m):
+            product = product * complexes(chain + 16 * i * r * r, r * r)[k * r + k]
+            power = _power(_size(product))
+            product, exponent = _times(_two_to(-power), product), exponent + power
+        while exponent != 0:  # twice what `_two_to` reaches is beyond what a double holds
+            power = min(max(exponent, -FARTHEST), FARTHEST)
+            product, exponent = _times(_two_to(power), product), exponent - power
+        found[k] = product
+    return sweeps

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
-from contwalk.flow.method import Carried, choose
+from contwalk.flow.method import Carried, Choice, choose_each
 from contwalk.flow.tableaus.dop853 import DOP853
 from contwalk.numerics.distinct import distinct
 from contwalk.problems.kinks import at_the_end
@@ -159,38 +159,83 @@ def stepped(
     tolerance: float,
     method: str,
     most: int = MOST_STEPS,
-    far_out: bool = False,
+    closure: bool = False,
 ) -> tuple[list[flow.Path], str, str]:
     """The path of every run with a generic neighbour, the integrator, and why this one.
 
     The neighbour makes sure that derivatives are right too: where the motion stands still, itself would
-    allow steps of any length.
+    allow steps of any length. Runs of a closure are parts of one motion, in the same times.
     """
-    given, values = [], [np.concatenate([run.scalars, fixed]) for run in runs]
-    for run, own in zip(runs, values, strict=True):
-        field, sizes = run.passage.field(TANGENT), variation[list(run.passage.states)]
-        generic = np.concatenate([run.x, sizes * np.cos(np.arange(1.0, len(sizes) + 1.0))])
-        c = field.constants(np.concatenate([own, np.zeros(len(run.scalars))]))
-        control = flow.ErrorControl(tolerance, np.concatenate([sizes, sizes]), most, far_out)
-        given.append((field, c, run.begin, generic, run.end, control))
+    together = [_Together.of(runs, fixed, variation, tolerance, most)] if closure else []
+    each = together or [_Together.of([run], fixed, variation, tolerance, most, True) for run in runs]
     if method == "auto":
-        choices = []
-        for run, own, there in zip(runs, values, given, strict=True):
-            carried = Carried(run.passage.field(PLAIN), run.carried)
-            choices.append(choose(*there, carried))
-            # Where one ends on the way, the others need not be tried.
-            arrived(choices[-1].path, run.passage, own)
+        choices = [choice for some in each for choice in some.chosen()]
         stiffest = max(choices, key=lambda choice: choice.stability_limited)
         method, reason = stiffest.method, stiffest.reason
         if len({choice.method for choice in choices}) == 1:
             return [choice.path for choice in choices], method, reason
     else:
         reason = "as the run file says"
-    paths = [
-        arrived(flow.controlled(*there, method), run.passage, own)
-        for run, own, there in zip(runs, values, given, strict=True)
-    ]
-    return paths, method, reason
+    return [path for some in each for path in some.paths(method)], method, reason
+
+
+@dataclass(frozen=True, eq=False)
+class _Together:
+    """Runs of one field with the same scalars, each with a generic neighbour.
+
+    Parameters
+    ----------
+    run : Run
+        One of them.
+    values, constants : ndarray
+        What their field depends on, and that of their lift.
+    bounds, starts : ndarray, shapes (m, 2) and (m, 2 n)
+    control : ErrorControl
+    """
+
+    run: Run
+    values: np.ndarray
+    constants: np.ndarray
+    bounds: np.ndarray
+    starts: np.ndarray
+    control: flow.ErrorControl
+
+    @classmethod
+    def of(
+        cls,
+        runs: Sequence[Run],
+        fixed: np.ndarray,
+        variation: np.ndarray,
+        tolerance: float,
+        most: int,
+        far_out: bool = False,
+    ) -> _Together:
+        """Some runs; arguments as for `stepped`, and `far_out` as of an `ErrorControl`."""
+        run = runs[0]
+        field, sizes = run.passage.field(TANGENT), variation[list(run.passage.states)]
+        generic = sizes * np.cos(np.arange(1.0, len(sizes) + 1.0))
+        values = np.concatenate([run.scalars, fixed])
+        c = field.constants(np.concatenate([values, np.zeros(len(run.scalars))]))
+        starts = np.array([np.concatenate([each.x, generic]) for each in runs])
+        control = flow.ErrorControl(tolerance, np.concatenate([sizes, sizes]), most, far_out)
+        return cls(run, values, c, np.array([(each.begin, each.end) for each in runs]), starts, control)
+
+    @property
+    def _given(self) -> tuple[flow.CompiledField, np.ndarray, np.ndarray, np.ndarray, flow.ErrorControl]:
+        field = self.run.passage.field(TANGENT)
+        return field, self.constants, self.bounds, self.starts, self.control
+
+    def chosen(self) -> Iterator[Choice]:
+        """The method for each; where one ends on the way, the others need not be tried."""
+        carried = Carried(self.run.passage.field(PLAIN), self.run.carried)
+        for choice in choose_each(*self._given, carried):
+            arrived(choice.path, self.run.passage, self.values)
+            yield choice
+
+    def paths(self, method: str) -> list[flow.Path]:
+        """Their paths by a method."""
+        found = flow.controlled_each(*self._given, method)
+        return [arrived(path, self.run.passage, self.values) for path in found]
 
 
 def arrived(path: flow.Path, passage: Passage | None = None, values: np.ndarray | None = None) -> flow.Path:

@@ -8,7 +8,6 @@ from small_systems import circle, small_system
 
 import contwalk as cw
 from contwalk.problems.orbit import monodromy
-from contwalk.problems.orbit.periodic_schur import scaled_product
 from contwalk.problems.orbit.shooting import velocity
 
 
@@ -46,15 +45,3 @@ def test_the_multiplier_of_a_circle_in_segments(cut):
     orbit, z = cut
     found = orbit.multipliers(z, orbit.linearize(z).jacobian)
     assert abs(found.values[0] - np.exp(-4.0 * np.pi * 0.49)) < 1e-9
-
-
-def test_powers_of_two_change_no_digit():
-    """Within the range of doubles a product needs no powers taken out: the same bits as with them."""
-    random = np.random.default_rng(7)
-    plain = random.normal(size=(9, 3)) + 1j * random.normal(size=(9, 3))
-    shifted = plain.copy()
-    shifted[0] *= 2.0**600
-    shifted[1] *= 2.0**-600  # beyond what is taken to be safe, with the same product
-    assert scaled_product(plain).tobytes() == scaled_product(shifted).tobytes()
-    far = np.array([[2.0**700], [2.0**700], [2.0**-1000], [3.0]], dtype=complex)
-    assert scaled_product(far)[0] == 3.0 * 2.0**400

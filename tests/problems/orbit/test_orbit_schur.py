@@ -156,7 +156,7 @@ def test_a_product_graded_beyond_the_range_of_doubles(size, monkeypatch):
     """Hundreds of steps of a relaxation oscillation: it attracts by 1e-1200, and 1e3 grows."""
     sweeps, counted = [], periodic_schur.sweeps_of
     monkeypatch.setattr(
-        periodic_schur, "sweeps_of", lambda chain: sweeps.append(counted(chain)) or sweeps[-1]
+        periodic_schur, "sweeps_of", lambda *given: sweeps.append(counted(*given)) or sweeps[-1]
     )
     random, number = np.random.default_rng(size), 400
     bases = [np.linalg.qr(random.standard_normal((size, size)))[0] for _ in range(number)]
@@ -194,3 +194,24 @@ def test_hundreds_of_unknowns_by_the_same_loops():
     # Normal factors: each eigenvalue is as well known as the rounding of all of them together.
     apart = np.abs(found[:, None] - wanted).min(axis=0)
     assert apart.max() < 1e-13 * size
+
+
+def test_powers_of_two_change_no_digit():
+    """Partial products far beyond the range of doubles: the same bits as those within it."""
+    random = np.random.default_rng(7)
+    plain = random.normal(size=(9, 1, 1))
+    shifted = plain.copy()
+    shifted[0] *= 2.0**900
+    shifted[1] *= 2.0**900
+    shifted[2] *= 2.0**-900
+    shifted[3] *= 2.0**-900
+    assert product_eigenvalues(plain).tobytes() == product_eigenvalues(shifted).tobytes()
+    assert product_eigenvalues(plain)[0] == pytest.approx(np.prod(plain), rel=1e-14)  # nine roundings
+    far = np.array([2.0**700, 2.0**700, 2.0**-1000, 3.0]).reshape(4, 1, 1)
+    assert product_eigenvalues(far)[0] == 3.0 * 2.0**400
+
+
+def test_products_beyond_the_range_of_doubles():
+    assert product_eigenvalues(np.full((3, 1, 1), 2.0**700))[0] == np.inf
+    assert product_eigenvalues(np.full((3, 1, 1), -(2.0**700)))[0] == -np.inf
+    assert product_eigenvalues(np.full((3, 1, 1), 2.0**-700))[0] == 0.0
