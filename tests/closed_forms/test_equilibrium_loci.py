@@ -259,3 +259,14 @@ def test_a_curve_on_which_a_velocity_is_zero_and_its_drag_vanishes_is_walked_in_
     assert np.max(np.abs(curve["push"] - x**3 + curve["softness"] * x)) < 1e-15
     (double,) = labelled(curve, "BT")
     assert double.parameters["softness"] == pytest.approx(0.9, rel=1e-15)
+
+
+def test_a_slope_that_a_solution_leaves_of_zero_tells_no_magnitude() -> None:
+    """At a Bogdanov-Takens point the slope by x is zero: known to 1e-10, terms over it were 1e9.
+
+    A curve that began there was followed once more, in steps by that metric.
+    """
+    problem = small_problem(oscillator, "xv", {"push": 0.0, "softness": 0.9}, "push")
+    x = -math.sqrt(0.3) * (1.0 + 1e-10)
+    magnitudes = problem.linearize(np.array([x, 0.0, x**3 - 0.9 * x])).magnitudes
+    assert magnitudes[0] == abs(x)

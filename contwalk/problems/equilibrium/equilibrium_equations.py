@@ -31,6 +31,9 @@ from contwalk.system.declarations import ParameterValues
 # A magnitude of the parameter this many times its value is looked at again; slopes this many times their
 # rounding tell something.
 FAR, NOISY = 1e6, 16.0
+# Slopes by an unknown below this part of their terms are what a solution's error leaves of zero, as beside a
+# Bogdanov-Takens point.
+CANCELLED = 1e-6
 TINY = float(np.finfo(float).tiny)
 
 
@@ -313,7 +316,8 @@ class EquilibriumEquations(Problem):
         known = np.maximum(np.abs(z), np.where(np.isfinite(magnitudes), magnitudes, 1.0))
         known[which], known[self.size :] = abs(z[which]), np.abs(z[self.size :])
         noise = EPSILON * (np.abs(self.kernels.jacobian_of_first(*self.inputs(z), along.tolist())) @ known)
-        told = (slopes > NOISY * noise) & (slopes > 1e-100) & (terms > 1e-290)
+        least = NOISY * noise if which >= self.size else CANCELLED / EPSILON * noise
+        told = (slopes > least) & (slopes > 1e-100) & (terms > 1e-290)
         size = float(abs(z[which]))
         if np.any(told):
             return max(size, float(np.min(terms[told] / slopes[told])))
