@@ -54,7 +54,9 @@ class OrbitDiagnosis:
         met = kinks_along(self._orbit, z)
         if met:
             return met[0].sentence("orbits")
-        return self.growth(z) if self._orbit.in_closure else growth_told.over_legs(self._orbit)
+        if self._orbit.in_closure:
+            return self.growth(z)
+        return growth_told.over_legs(self._orbit.explicit(z)[0])  # whose legs its steps are made for
 
     def without_value(self, z: np.ndarray) -> str:
         """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found.
