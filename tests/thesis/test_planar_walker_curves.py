@@ -54,7 +54,8 @@ def cut(parameter: str, value: float, alpha: float, low: float, high: float) -> 
 
 @pytest.mark.parametrize("name", [FEET, INERTIA])
 def test_all_kinds_of_curves_are_there(name) -> None:
-    assert [len(curves(name, of)) for of in ("LP", "PD")] == [1, 3]
+    of_one_step = [curve for curve in curves(name, "LP") if curve.info.closure == "legs"]
+    assert [len(found) for found in (of_one_step, curves(name, "PD"))] == [1, 3]
     touched = {curve.info.settings["limit"]["name"] for curve in curves(name, "GR")}
     assert touched >= {"hind_dip", "front_dip", "heel_strike"}
     conditions = {curve.info.settings["limit"]["name"] for curve in curves(name, "AZ")}
@@ -62,6 +63,19 @@ def test_all_kinds_of_curves_are_there(name) -> None:
     for branch in figure_run(name):
         assert branch.outcome.status in ("complete", "stopped"), (branch.name, branch.outcome)
         assert all(p.status == "located" for p in branch.special_points if p.label != "EP")
+
+
+def test_folds_of_two_steps_lead_from_one_generalized_doubling_to_the_other() -> None:
+    (folds,) = [curve for curve in curves(FEET, "LP") if curve.info.closure == "full"]
+    (doublings,) = [curve for curve in curves(FEET, "PD") if curve.info.closure == "legs"]
+    one, other = (p for p in doublings.special_points if p.label == "GPD")
+    assert folds.info.origin in (f"{doublings.name}/{p.name}" for p in (one, other))
+    assert folds.outcome.reason == "rejoined"
+    ends = folds.points["free"][[0, -1]]
+    # It begins a finite amplitude away from the one; the two are 12 % apart in rf.
+    for point in (one, other):
+        place = [point.parameters["alpha"], point.parameters["rf"]]
+        assert np.min(np.abs(ends / place - 1.0).max(axis=1)) < 5e-3
 
 
 @pytest.mark.parametrize("name", [FEET, INERTIA])

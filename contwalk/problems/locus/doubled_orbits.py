@@ -17,8 +17,9 @@ from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
 
 # How far along the curve of doublings the first doubled orbit is looked for, in the metric: last so near that
-# those of a map that folds strongly, with periods doubled before, are still small.
-ASIDE = (1e-2, 3e-2, 3e-3, 1e-1, 3e-4)
+# those of a map that folds strongly, with periods doubled before, are still small, and that another special
+# point of the curve right beside this one is farther away.
+ASIDE = (1e-2, 3e-2, 3e-3, 1e-1, 3e-4, 1e-4, 3e-5, 1e-5)
 # The amplitude of the first of two orbits, over the root of that.
 AMPLITUDE = 0.3
 # What is looked for is expected no farther from that amplitude than by these factors; where it is, two other
