@@ -103,7 +103,7 @@ def test_all_of_it_is_half_a_stride(name):
 
 
 # They need the databases of other run files, which they name.
-BEGIN_ELSEWHERE = ("walker3d_ground_region",)
+BEGIN_ELSEWHERE = ("walker3d_ground_region", "walker3d_stiffer_ground_knee_damping")
 
 
 def test_run_files_are_in_the_table():
