@@ -73,8 +73,7 @@ def from_branches(
 def coverage_of(run_file: RunFile, settings: Settings) -> Plan:
     """What is followed of the curves of a study."""
     assert run_file.loci is not None
-    ranged = replace(settings, second_range=run_file.loci.range)
-    return Plan(ranged, run_file.loci.follow, run_file.depth + 1)  # its own curves are the first generation
+    return Plan(replace(settings, second_range=run_file.loci.range), run_file.loci.follow, run_file.depth)
 
 
 class _Given:

@@ -54,8 +54,7 @@ def cut(parameter: str, value: float, alpha: float, low: float, high: float) -> 
 
 @pytest.mark.parametrize("name", [FEET, INERTIA])
 def test_all_kinds_of_curves_are_there(name) -> None:
-    of_one_step = [curve for curve in curves(name, "LP") if curve.info.closure == "legs"]
-    assert [len(found) for found in (of_one_step, curves(name, "PD"))] == [1, 3]
+    assert [len(curves(name, of)) for of in ("LP", "PD")] == [1, 3]
     touched = {curve.info.settings["limit"]["name"] for curve in curves(name, "GR")}
     assert touched >= {"hind_dip", "front_dip", "heel_strike"}
     conditions = {curve.info.settings["limit"]["name"] for curve in curves(name, "AZ")}
@@ -66,8 +65,11 @@ def test_all_kinds_of_curves_are_there(name) -> None:
 
 
 def test_folds_of_two_steps_lead_from_one_generalized_doubling_to_the_other() -> None:
-    (folds,) = [curve for curve in curves(FEET, "LP") if curve.info.closure == "full"]
-    (doublings,) = [curve for curve in curves(FEET, "PD") if curve.info.closure == "legs"]
+    """One of them lies 3e-6 beside the point at which the curve of doublings meets that of folds."""
+    found = figure_run(FEET, "diagram.follow=[]", "diagram.depth=3", "loci.of=[LP]", "loci.follow=[LPPD,GPD]")
+    _, _, doublings, folds = found
+    assert [b.info.settings["of"] for b in found[1:]] == ["LP", "PD", "LP"]
+    assert folds.info.closure == "full"
     one, other = (p for p in doublings.special_points if p.label == "GPD")
     assert folds.info.origin in (f"{doublings.name}/{p.name}" for p in (one, other))
     assert folds.outcome.reason == "rejoined"

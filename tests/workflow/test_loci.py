@@ -155,16 +155,6 @@ def test_curves_of_all_points_of_a_study_and_those_born_on_them(place) -> None:
     assert [b.name for b in again.branches] == list(branches)
 
 
-@pytest.mark.parametrize(("depth", "curves"), [(0, ["HB"]), (1, ["HB", "LP"])])
-def test_generations_of_curves_are_counted_from_those_of_the_study(place, depth, curves) -> None:
-    """The curve of folds that is born at BT points of the curve of Hopf points is the first generation."""
-    given = f"diagram={{follow: none, depth: {depth}}}"
-    path = computed(place, "all", given, output=f"depth{depth}.h5").path
-    with cw.open_database(path) as db:
-        branches = db.branches()
-    assert [b.info.settings["of"] for b in branches if b.info.problem == "locus"] == curves
-
-
 def test_the_figure_of_curves(place, two) -> None:
     assert (place / "two_locus.png").stat().st_size > 10_000
     from contwalk import plotting
