@@ -16,7 +16,7 @@ ADAPTIVE_EACH = Entry("contwalk.flow.explicit.several_driver", "adaptive_each", 
 # Nodes that each path has room for at first.
 _ROOM = 128
 # Numbers that are told of each path.
-_TOLD = 5
+_ANSWERS = 5
 
 
 def adaptive_each(
@@ -34,7 +34,7 @@ def adaptive_each(
     starts = aligned(paths, call.length)
     starts[:, : field.n] = checked(x0, (paths, field.n), "starts")
     ends = checked(bounds, (paths, 2), "bounds")
-    control, counts, told = StepControl(), Counts(), np.empty((paths, _TOLD), dtype=np.int64)
+    control, counts, answers = StepControl(), Counts(), np.empty((paths, _ANSWERS), dtype=np.int64)
     call.controlled(control, counts)
     call.record.most_steps, call.record.far_out = bound.max_steps, bound.far_out
     room, answer = _ROOM * paths, FULL
@@ -46,7 +46,7 @@ def adaptive_each(
             paths,
             address(starts),
             address(ends),
-            address(told),
+            address(answers),
             bound.tolerance,
             call.method.error_order,
             call.method.stable,
@@ -54,7 +54,7 @@ def adaptive_each(
         room *= 2
     call.over()
     found, first = [], 0
-    for ended, steps, evaluations, rejected, stiff in told.tolist():
+    for ended, steps, evaluations, rejected, stiff in answers.tolist():
         own = slice(first, first + steps + 1)
         found.append(
             Path(

@@ -64,7 +64,7 @@ class TestBubble:
         assert (first.unstable_before, first.unstable_after) == (0, 1)
         assert (second.unstable_before, second.unstable_after) == (1, 0)
         assert (child.outcome.status, child.outcome.reason) == ("complete", "rejoined")
-        assert "parent" in child.outcome.message
+        assert "one that repeats itself" in child.outcome.message
         last = max(child.special_points, key=lambda p: p.s)
         assert last.parameters["lam"] == pytest.approx(math.sqrt(0.15), abs=ACCURACY)
 

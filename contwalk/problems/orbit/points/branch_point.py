@@ -23,7 +23,7 @@ UP_TO_A_FACTOR = (
     "return map minus identity; c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h, and the "
     "cubic c, up to a common factor: p.q is zero where a pair of multipliers meets"
 )
-FALLEN_BACK = "the orbit repeats itself here, or is its own image: the branch ends on the branch of those"
+FALLEN_BACK = "the orbit repeats itself here, or is its own image: the branch ends on it"
 
 
 class BranchPoint(OrbitPoint):
