@@ -17,7 +17,7 @@ def adaptive_each(
     paths: int,
     starts: int,
     bounds: int,
-    told: int,
+    answers: int,
     tolerance: float,
     order: float,
     stable: float,
@@ -29,7 +29,7 @@ def adaptive_each(
     """
     p = explicit_call(address)
     control, counts = step_control(p.control), counts_at(p.counts)
-    times, found = doubles(bounds, 2 * paths), integers(told, TOLD * paths)
+    times, found = doubles(bounds, 2 * paths), integers(answers, TOLD * paths)
     for j in range(paths):
         if p.room < 0:
             return FULL
