@@ -114,6 +114,8 @@ def _accepted(
         return None
     theta = segment.position(located.z)
     slack = 1e-3 * (right - left) + 1e-12
+    if kind.test is Test.ORIENTATION and segment.problem.meshed is not None:
+        slack += _blurred(segment, DOUBTED)
     if not left - slack <= theta <= right + slack:
         return None
     # Right at a branch point a sample's own tangent is noise; the ends of the segment know the way.
@@ -165,6 +167,11 @@ def _known_to(segment: Segment) -> float:
     return float(np.max(np.nan_to_num([segment.a.error, segment.b.error], nan=0.0)))
 
 
+def _blurred(segment: Segment, most: float) -> float:
+    """Part of a segment that its ends are known to, and at most so much: no place on it is known better."""
+    return min(_known_to(segment) / segment.length, most)
+
+
 def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: float, offset: float) -> bool:
     """Whether the branch passes a branch point along a tangent, judged beside it: at it all is singular.
 
@@ -182,9 +189,9 @@ def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: 
 
 def same_point(segment: Segment, located: Located, theta: float) -> bool:
     """Whether a located point is the branch's own solution at theta."""
-    known, meshed = _known_to(segment), segment.problem.meshed
+    meshed = segment.problem.meshed
     tolerance = LOCATION_TOLERANCE if meshed is None else meshed.location_tolerance
-    least = tolerance + ROUNDING / segment.length + min(known / segment.length, DOUBTED)
+    least = tolerance + ROUNDING / segment.length + _blurred(segment, DOUBTED)
     # As near to what is guessed of the branch there, it is so to the branch.
     guessed = np.linalg.norm((segment.guess(theta) - located.z) / segment.weights) / segment.length
     return bool(guessed < 0.1 * least) or segment.distance(located.z, theta) < least

@@ -67,10 +67,6 @@ def test_doubled_orbits_end_where_they_are_their_parents_again(branches):
         assert branch["b1"][-1] == pytest.approx(paired, abs=1e-6)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="b7 passes its parent at b1 = 2.85664 and walks on it, gone round twice, to max_points",
-)
 def test_no_doubled_orbit_is_its_parent_before_it_ends(branches):
     """Half a closure later each is somewhere else, by more than errors."""
     for branch in branches[1:]:
