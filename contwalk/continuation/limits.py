@@ -66,7 +66,9 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
             lost[which] = error
             continue
         if point is not None and not any(point is known for known in found):
-            found.append(point)
+            # What its equations have found it to be may be another limit than the one that led to it.
+            told = limited.limits[int(point.located.vectors["limit"])]
+            found.append(replace(point, type=told.type))
     for which, reason in lost.items():  # told by the leg that vanishes where they pass zero
         if not any(which in point.located.vectors.get("vanishing", ()) for point in found):
             raise reason

@@ -246,11 +246,11 @@ def _vanishing(problem: LimitedOrbit, which: int, i: int, sample: Near) -> augme
         columns[:size] = there.equation_scales[:, None] * unfolding
         return residual + columns @ y[size + 1 :], np.hstack([jacobian, columns])
 
-    around = _around(problem, gone)
+    around, told = _around(problem, gone), _grazing_of(problem, which, i)
 
     def vectors(there: Any, y: np.ndarray) -> dict:
-        seconds = float(y[there.layout.durations][there.limits[which].leg])
-        return {"limit": which, "seconds": seconds, "vanishing": around}
+        seconds = float(y[there.layout.durations][there.limits[told].leg])
+        return {"limit": told, "seconds": seconds, "vanishing": around}
 
     start, scale = (np.append(v, np.full(len(gone), w)) for v, w in ((sample.z, 0.0), (sample.weights, 1.0)))
     return augmented.Augmented(evaluate, start, scale, vectors, in_units=True)
@@ -264,6 +264,20 @@ def _around(problem: LimitedOrbit, gone: Sequence[int]) -> tuple[int, ...]:
     legs, m = problem.itinerary.legs, problem.layout.legs
     beside = {(i + k) % m: {legs[i].name, legs[(i - 1) % m].name} for i in gone for k in (-1, 0, 1)}
     return tuple(k for k, limit in enumerate(problem.limits) if limit.name in beside.get(limit.leg, ()))
+
+
+def _grazing_of(problem: LimitedOrbit, which: int, i: int) -> int:
+    """The limit that a leg i which lasts no time is told as, where number `which` has found it.
+
+    A leg between two zeros of one guard vanishes where that guard is touched: a grazing, of which rounding
+    decides whether the duration or the rate is seen to pass zero first.
+    """
+    own, before = (problem.itinerary.legs[k].transition for k in (i, i - 1))
+    same = own is not None and before is not None and own.guard is before.guard
+    if problem.limits[which].test != "duration" or not same:
+        return which
+    rates = (k for k, limit in enumerate(problem.limits) if limit.leg == i and limit.test == "rate")
+    return next(rates, which)
 
 
 def _redundant(jacobian: np.ndarray, rows: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:

@@ -102,7 +102,8 @@ def _quiet(problem: LimitedOrbit, z: np.ndarray, transition: Transition, start: 
     if problem.forced:
         period = whole / problem.subharmonic
         begin = np.ceil(start / period - 1e-12) * period
-    share = min((begin - start) / lasting, float(problem.rounds))
+    # By rounding the cycle may begin a little after the period that it is held to begin with.
+    share = min(max((begin - start) / lasting, 0.0), float(problem.rounds))
     x = (
         state_on_leg(problem, z, 0, share)
         if share <= 1.0
