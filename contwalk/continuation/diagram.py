@@ -15,6 +15,7 @@ import numpy as np
 from contwalk.branch import Branch, Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.ahead import Ahead, Task, taken_over
+from contwalk.continuation.beyond_depth import BeyondDepth
 from contwalk.continuation.branch_in_progress import (
     BranchInProgress,
     Start,
@@ -26,7 +27,7 @@ from contwalk.continuation.branch_in_progress import (
 )
 from contwalk.continuation.branch_walk import BranchWalk
 from contwalk.continuation.events import Began, Dropped, Ended, Event, Noted, Plan
-from contwalk.continuation.growing import grown
+from contwalk.continuation.growing import grown, leading
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.recognition import Known, known_branch
 from contwalk.continuation.state import ContinuationState
@@ -66,7 +67,7 @@ class Diagram:
         self._taken = set(taken)
         self._starts = iter(starts)
         self._seeds: deque[Start] = deque()
-        self._plan = plan
+        self._plan, self._beyond = plan, BeyondDepth(plan.depth)
         self._restore = restore
         self.branches: list[Branch] = []
         self._walk = BranchWalk(plan)
@@ -86,6 +87,9 @@ class Diagram:
                 yield Noted(f"skipped {start.origin}", known.sentence(start.origin))
                 continue
             yield from self._branch(start, stored or self._next_name())
+        missing = self._beyond.sentence()
+        if missing is not None:
+            yield Noted("depth", missing)
 
     def _next_name(self) -> str:
         names = itertools.count(len(self.branches) + 1)
@@ -93,11 +97,13 @@ class Diagram:
         return next(name for name in (f"b{number}" for number in names) if name not in used)
 
     def _queue(self) -> Iterator[Start]:
-        """Starts in their order, each followed by all that grows out of it."""
+        """Starts in their order, each followed by all that grows out of it, or all of them before that."""
         for start in self._starts:
             yield start
-            while self._seeds:
+            while self._seeds and not self._plan.by_generation:
                 yield self._seeds.popleft()
+        while self._seeds:
+            yield self._seeds.popleft()
 
     def _known(self, start: Start) -> Known | None:
         try:
@@ -172,6 +178,9 @@ class Diagram:
 
     def _grow(self, start: Start, problem: Problem, branch: Branch) -> None:
         """Put the branches that leave a branch into the queue."""
+        if self._plan.by_generation:
+            leave = leading(self._plan, start, problem, branch.special_points)
+            self._beyond.tell(branch.name, [point for point, _ in leave], start.depth)
         seeds = list(grown(self._plan, start, problem, branch.name, branch.special_points))
         self._seeds.extend(seeds)
         if self._ahead is not None and start.number:

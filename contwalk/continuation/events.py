@@ -20,7 +20,9 @@ class Plan:
     """What a diagram covers: the labels that are followed, how deep, and the directions from a start.
 
     `parent` begins the branch that one without a known parent has returned to at a point; None where there is
-    no such.
+    no such. `by_generation`: all starts are walked before anything that grows out of them, so that each
+    branch is found in the least generation that it has, whichever points begin it; else each start is
+    followed by all that grows out of it.
     """
 
     settings: Settings
@@ -28,6 +30,7 @@ class Plan:
     depth: int = 5
     directions: tuple[float, ...] = (1.0, -1.0)
     parent: Callable[[Problem, SpecialPoint, Settings], Opening | Outcome | None] = lambda *_: None
+    by_generation: bool = False
 
 
 @dataclass(frozen=True)

@@ -33,12 +33,7 @@ def grown(
     # Where orbits become those of a branch of less, that may be the one they come from, or one that nobody
     # has followed: a start like others, which is known or not.
     returned = {p.index for p in special_points if p.label == END and p.kind == "rejoined"}
-    for point in special_points:
-        kind = kind_of(problem, point)
-        if kind is None or not _followed(plan, kind) or point.status != "located":
-            continue
-        if start.parent is not None and abs(point.s) < 1e-9:
-            continue  # the point that this branch itself was born at
+    for point, kind in leading(plan, start, problem, special_points):
         less = () if point.index not in returned or _left(start, point) else _parent(plan, problem, point)
         below = _openings(plan, problem, kind, point)
         for opening, daughter in chain(zip(below, repeat(True)), zip(less, repeat(False))):
@@ -54,6 +49,19 @@ def grown(
                 above=(*start.above, tuple(special_points)),
             )
             number += 1
+
+
+def leading(
+    plan: Plan, start: Start, problem: Problem, special_points: Sequence[SpecialPoint]
+) -> Iterator[tuple[SpecialPoint, PointType]]:
+    """The points of a branch at which others leave that a plan follows, each with its kind."""
+    for point in special_points:
+        kind = kind_of(problem, point)
+        if kind is None or not _followed(plan, kind) or point.status != "located":
+            continue
+        if start.parent is not None and abs(point.s) < 1e-9:
+            continue  # the point that this branch itself was born at
+        yield point, kind
 
 
 def _left(start: Start, point: SpecialPoint) -> bool:

@@ -73,7 +73,8 @@ def from_branches(
 def coverage_of(run_file: RunFile, settings: Settings) -> Plan:
     """What is followed of the curves of a study."""
     assert run_file.loci is not None
-    return Plan(replace(settings, second_range=run_file.loci.range), run_file.loci.follow, run_file.depth)
+    ranged = replace(settings, second_range=run_file.loci.range)
+    return Plan(ranged, run_file.loci.follow, run_file.depth, by_generation=True)
 
 
 class _Given:

@@ -56,6 +56,32 @@ diagram: none
 loci: {with: delta, range: [0.001, 1.0], of: HB, follow: all}
 output: all.h5
 """
+# The reaction A -> B in a stirred tank: AUTO-07p (Doedel et al.), demo ab.
+AB = """
+import math
+from contwalk.system import Mode, Parameter, State, System
+
+
+def field(t, x, p, dx):
+    e = math.exp(x[1])
+    dx[0] = -x[0] + p.p1 * (1 - x[0]) * e
+    dx[1] = -x[1] + p.p1 * p.p2 * (1 - x[0]) * e - 3.0 * x[1]
+
+
+SYSTEM = System(
+    "ab",
+    states=(State("u1"), State("u2")),
+    parameters=(Parameter("p1", 0.0), Parameter("p2", 24.0)),
+    modes=(Mode("smooth", field),),
+)
+"""
+AB_RUN = """
+system: ./ab.py
+start: {state: {u1: 0.0, u2: 0.0}}
+continue: {parameter: p1, range: [0.0, 0.5]}
+diagram: none
+loci: {with: p2, range: [10.0, 25.0], of: all, follow: [BT]}
+"""
 # Recomputed with 40 digits; alpha and delta of the Bogdanov-Takens point.
 BT = (0.45362432777812945522, 0.17512759295021742421)
 
@@ -153,6 +179,35 @@ def test_curves_of_all_points_of_a_study_and_those_born_on_them(place) -> None:
     assert [p.status for p in branches["b3"].special_points if p.label == "BT"] == ["located", "located"]
     again = computed(place, "all", resume=True, figures=False)
     assert [b.name for b in again.branches] == list(branches)
+
+
+@pytest.mark.slow
+def test_points_of_the_study_begin_curves_before_points_of_curves_do(place) -> None:
+    """The curve of folds meets that of Hopf points, which a point of the study begins too: the first
+    generation has both, and what is born on them is the second."""
+    (place / "ab.py").write_text(AB)
+    (place / "ab.yaml").write_text(AB_RUN)
+    path = computed(place, "ab", output="first.h5").path
+    with cw.open_database(path) as db:
+        branches, notes = db.branches(), db.notes()
+    points = [p.label for p in branches[0].special_points if p.label in ("LP", "HB")]
+    assert points[0] == "LP"  # whose curve, with all that grows out of it, would come before the other
+    curves = [b for b in branches if b.info.problem == "locus"]
+    assert sorted(b.info.settings["of"] for b in curves) == ["HB", "LP"]
+    assert [b.info.parent[0] for b in curves] == ["b1", "b1"]
+    assert "depth" not in notes
+
+
+def test_what_is_not_followed_beyond_the_last_generation_is_told(place) -> None:
+    given = ("diagram={follow: none, depth: 1}", "loci.follow=[BT]")
+    path = computed(place, "all", *given, output="shallow.h5").path
+    with cw.open_database(path) as db:
+        branches, notes = db.branches(), db.notes()
+    assert [b.info.settings.get("of") for b in branches] == [None, "HB"]
+    told = [f"b2/{p.name}" for p in branches[1].special_points if p.label == "BT"]
+    assert told
+    assert f"What begins or crosses at {', '.join(told)} was not followed" in notes["depth"]
+    assert "`diagram.depth` = 1" in notes["depth"]
 
 
 def test_the_figure_of_curves(place, two) -> None:
