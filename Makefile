@@ -41,8 +41,9 @@ demo: install
 	$(BIN)/contwalk continue runs/autobalancer_load.yaml --output $(DEMO)/autobalancer_load.h5 --force
 	@echo "The command contwalk is at hand after: . $(BIN)/activate"
 
-# The tests of a file share studies: in one process each study is computed once.
-PYTEST = $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+# The tests of a file share studies: in one process each study is computed once. Files come in the order of tests/order.py.
+# Hundreds of processes are started, and each would compile all modules where the environment says to keep none compiled.
+PYTEST = env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 test: install-test
 	$(PYTEST) -m "not slow" $(TEST_OPTIONS)

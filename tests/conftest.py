@@ -1,7 +1,13 @@
 """What holds for every test."""
 
 # ruff: noqa: E402  (the number of threads is settled before NumPy is imported)
+import gc
 import os
+
+# Nine thousand tests and what they import live to the end: the collector of cycles need not look through them
+# each time that some more are there.
+USUAL = gc.get_threshold()
+gc.set_threshold(50_000, *USUAL[1:])
 
 for library in ("OPENBLAS", "MKL", "OMP"):  # as the command line does: two workers on two cores are enough
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
@@ -11,9 +17,25 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from order import longest_first, table
 
 from contwalk.errors import DatabaseError
 from contwalk.storage import document, interface_schema, open_database
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Where several processes share the tests, the longest files come first."""
+    if hasattr(config, "workerinput"):
+        files = [item.nodeid.split("::")[0] for item in items]
+        slow = [item.get_closest_marker("slow") is not None for item in items]
+        items[:] = [items[k] for k in longest_first(files, slow, table())]
+
+
+def pytest_collection_finish() -> None:
+    """The tests run with the collector as it is in any process."""
+    gc.freeze()
+    gc.set_threshold(*USUAL)
 
 
 @pytest.fixture(autouse=True)

@@ -12,6 +12,7 @@ import keyword
 import tokenize
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from itertools import combinations, pairwise
 from pathlib import Path
 
@@ -48,11 +49,14 @@ def module_name(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-TREES = {module_name(path): ast.parse(path.read_text(encoding="utf-8")) for path in FILES}
+@cache
+def trees() -> dict[str, ast.Module]:
+    """All modules, read by the first test that asks."""
+    return {module_name(path): ast.parse(path.read_text(encoding="utf-8")) for path in FILES}
 
 
 def classes() -> Iterator[tuple[str, ast.ClassDef]]:
-    for name, tree in TREES.items():
+    for name, tree in trees().items():
         yield from ((f"{name}.{c.name}", c) for c in ast.walk(tree) if isinstance(c, ast.ClassDef))
 
 
@@ -132,7 +136,7 @@ def test_files_are_short():
 
 
 def test_functions_have_few_arguments():
-    found = ((name, f) for module, tree in TREES.items() for name, f in functions(tree.body, module))
+    found = ((name, f) for module, tree in trees().items() for name, f in functions(tree.body, module))
     only_shrinks(over(((name, positional(f)) for name, f in found), MOST_ARGUMENTS), ARGUMENTS_OVER)
 
 
