@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hybrid_runs import branch_of
-from loci_of_orbits import FINE, WALKED, map_as_machine
+from loci_of_orbits import FINE, WALKED, map_as_machine, map_plugin, studied
 from loci_of_orbits import assert_at as assert_known_at
 from small_systems import small_problem
 
@@ -193,3 +193,39 @@ def test_a_curve_along_which_the_first_parameter_levels_off_ends_at_the_range_of
     found = curve(problem, [1.0], (-3.0, 0.5), "LP1", {"p": (-3.0, 0.5), "q": (-1.0, 40.0)})
     assert found.outcome.reason == "bound"
     assert found["q"].max() == 40.0
+
+
+PREY_AND_PREDATORS = map_plugin(
+    "hunted",
+    ("p.a * x[0] * (1.0 - x[0]) - p.b * x[0] * x[1]", "p.b * x[0] * x[1] - 0.2 * x[1]"),
+    {"a": 2.0, "b": 2.5},
+)
+DOUBLINGS_ON_THE_FACE = """
+system: ./hunted.py
+start: {state: {x: 0.5, y: 0.0}}
+continue: {parameter: a, range: [1.5, 3.6]}
+diagram: {follow: [], depth: 2}
+loci: {with: b, range: [1.4, 3.0], of: [PD], follow: [BP]}
+figures: []
+"""
+
+
+def test_where_doublings_on_a_face_become_transversally_unstable_three_curves_are_followed(tmp_path) -> None:
+    """Right at the point the cubic coefficient has no value, and another one on each curve of doublings.
+
+    Without predators x = 1 - 1/a doubles at a = 3 and lets predators in at b = 1.2 a / (a - 1); with them
+    x = 1.2 / b, where the multiplier is -1 at b = 3.84 a / (2.8 + 1.2 a).
+    """
+    _, branches, _ = studied(tmp_path, "hunted", PREY_AND_PREDATORS, DOUBLINGS_ON_THE_FACE)
+    on_face, beside, entries = (b for b in branches if b.info.problem == "locus")
+    assert [b.info.settings["of"] for b in (on_face, beside, entries)] == ["PD", "PD", "BP"]
+    # Points of branches are solved for on steps a hundred times coarser than the accuracy of 1e-8.
+    a = beside["a"]
+    np.testing.assert_allclose(beside["b"], 3.84 * a / (2.8 + 1.2 * a), rtol=1e-6)
+    np.testing.assert_allclose(entries["b"], 1.2 * entries["a"] / (entries["a"] - 1.0), rtol=1e-6)
+    for curve in (on_face, entries):
+        (point,) = [p for p in curve.special_points if p.label != "EP"]
+        assert (point.label, point.kind) == ("LPPD", "branch point")
+        assert point.parameters["a"] == pytest.approx(3.0, abs=2.0 * point.errors["a"])
+        assert point.parameters["b"] == pytest.approx(1.8, abs=2.0 * point.errors["b"])
+    assert [p.label for p in beside.special_points] == ["EP", "EP"]  # it begins at that point

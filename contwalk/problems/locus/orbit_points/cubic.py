@@ -64,7 +64,7 @@ class VanishingCubic(OrbitLocusPoint):
         """
         there, own = problem.plane.first(z)
         map_ = there.return_map(own)
-        if float(np.linalg.norm(map_.a, 2)) > MOST_GROWTH:
+        if float(np.linalg.norm(map_.a, 2)) > MOST_GROWTH or _folded(map_.a, known_to(problem)):
             return UNKNOWN
         try:
             return self.cubic(problem, z, map_)
@@ -84,6 +84,16 @@ class VanishingCubic(OrbitLocusPoint):
 
         z has the shape (N + k + 2,).
         """
+
+
+def _folded(a: np.ndarray, known: float) -> bool:
+    """Whether a multiplier is one to the errors of the steps: what (1 - A)^-1 tells is rounding there.
+
+    Where branches cross at all values of the parameters the coefficient has no pole, but another value on
+    each of both curves.
+    """
+    values = np.linalg.svd(np.eye(len(a)) - a, compute_uv=False)
+    return bool(values[-1] <= known * values[0])
 
 
 class GeneralizedDoubling(VanishingCubic):

@@ -19,7 +19,13 @@ from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.crossing import Crossing
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, known_to, together
-from contwalk.problems.locus.orbit_points.switching import born, both_born, crossing_born, second_cosine
+from contwalk.problems.locus.orbit_points.switching import (
+    born,
+    both_born,
+    crossing_born,
+    ones_born,
+    second_cosine,
+)
 from contwalk.problems.locus.orbit_points.two_at_once import BRANCH_POINT, TwoAtOnce
 from contwalk.problems.locus.persistence import unfolds
 from contwalk.problems.locus.valued_curves import BranchPoints, steepest_crossing
@@ -77,8 +83,9 @@ class WhereBranchesCross(Crossing):
         return near.tangent
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of the other branch."""
-        return crossing_born(problem, point)
+        """The curve of the other branch, and that of the branch points themselves."""
+        points = ones_born(problem, point) if point.label == self._both and point.kind == BRANCH_POINT else []
+        return [*crossing_born(problem, point), *points]
 
     def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of the point by the name that it has as one of both curves.
