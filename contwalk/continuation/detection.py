@@ -149,15 +149,15 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
         return tuple(range(-many, many + 1))
     if found.type.test in (Test.STABILITY, Test.VALUE):
         return found.type.changes
+    # Of a fold that is not told apart its own eigenvalue passes with the other one.
+    changes = (-2, -1, 0, 1, 2) if "turns" in found.located.vectors else found.type.changes
     if segment.problem.meshed is not None:  # on its steps, a multiplier passes one beside the point
-        return found.type.changes
+        return changes
     if found.type.test is Test.TURN and not _has_zero(found.sample):
         return (0,)
     low, high = max(found.theta - BESIDE, 0.0), min(found.theta + BESIDE, 1.0)
     seen = segment.at(high).unstable - segment.at(low).unstable
-    if abs(seen) <= 1:
-        return (seen,)
-    return found.type.changes  # another point is that near
+    return (seen,) if abs(seen) <= max(changes) else changes  # else another point is that near
 
 
 def _has_zero(sample: Sample) -> bool:

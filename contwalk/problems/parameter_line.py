@@ -72,6 +72,13 @@ class ParameterLine:
         whole = None if ends is None else (system.all_parameters(ends[0]), system.all_parameters(ends[1]))
         return cls(free, system.all_parameters(parameters), whole, second)
 
+    def usual(self, system: System) -> float:
+        """The size of the coordinate as the system declares it, in its default; one where that is zero, or of
+        a path.
+        """
+        declared = (abs(p.default) for p in system.parameters if self.ends is None and p.name == self.free)
+        return next(declared, 0.0) or 1.0
+
     @property
     def names(self) -> tuple[str, ...]:
         """The free parameters; of a vector z, the first one is last and the second one before it."""

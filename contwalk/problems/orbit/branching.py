@@ -16,12 +16,21 @@ from contwalk.problems.problem import Located, Sample, Seed
 FAINT = 1e-6
 # A second direction of solutions is one where DF's second smallest singular value is rounding.
 SINGULAR = 1e-9
+# A parameter below this part of its usual size is zero: orbits beside a special point are not known better.
+NO_PARAMETER = 1e-8
 
 
 def filled_magnitudes(problem: OrbitData, z: np.ndarray) -> np.ndarray:
-    """Typical magnitudes at z, one where nothing tells. Both have the shape (N + 1,)."""
+    """Typical magnitudes at z, one where nothing tells. Both have the shape (N + 1,).
+
+    A parameter that is zero but for rounding tells no magnitude.
+    """
     magnitudes = problem.magnitudes_near(z)
-    return np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
+    filled = np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
+    usual = problem.line.usual(problem.system)
+    if abs(z[-1]) <= NO_PARAMETER * usual:
+        filled[-1] = usual
+    return filled
 
 
 def directions(problem: OrbitData, located: Located, weights: np.ndarray) -> list[np.ndarray]:

@@ -18,6 +18,8 @@ def made_up(jacobian):
         linearize=lambda z: SimpleNamespace(jacobian=np.array(jacobian)),
         magnitudes_near=lambda z: np.full(len(z), np.nan),
         equation_scales=np.ones(len(jacobian)),
+        line=SimpleNamespace(usual=lambda system: 1.0),
+        system=None,
     )
 
 
