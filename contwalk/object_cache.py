@@ -13,6 +13,7 @@ import marshal
 import os
 import sys
 import tempfile
+import time
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -22,6 +23,8 @@ MOST_BYTES = 256 * 1024 * 1024
 # A folder of many files takes long to list. It is listed before more than this part of `MOST_BYTES` has been
 # written since, and where room is made, this part is left free.
 SPARE = 1.0 / 16.0
+# Seconds after which a file that is loaded is dated anew: rarely, since each dating is a write.
+REDATED_AFTER = 600.0
 _DIGEST = hashlib.sha256().digest_size
 # How many bytes this process may write into a folder before it lists it again.
 _room: dict[Path, float] = {}
@@ -50,10 +53,12 @@ def key(*parts: str) -> str:
 
 def load(name: str) -> bytes | None:
     """What was stored under a key; None if there is nothing, or if it is damaged."""
+    file = _file(name)
     try:
-        data = _file(name).read_bytes()
+        data = file.read_bytes()
     except OSError:
         return None
+    _remember_use(file)
     content = data[_DIGEST:]
     return content if data[:_DIGEST] == hashlib.sha256(content).digest() else None
 
@@ -94,6 +99,13 @@ def load_values(name: str) -> list[Any] | None:
 def store_values(name: str, values: Iterable[Any]) -> None:
     """Keep numbers, texts, and tuples and lists of them, as `store` does; for this version of Python."""
     store(name, marshal.dumps((name, *values)))
+
+
+def _remember_use(file: Path) -> None:
+    """Date a file anew, if it is old: room is made by deleting what nobody has loaded for longest."""
+    with suppress(OSError):  # another process may have deleted it, or it is there to be read only
+        if time.time() - file.stat().st_mtime > REDATED_AFTER:
+            os.utime(file)
 
 
 def _file(name: str) -> Path:

@@ -100,6 +100,23 @@ def test_the_oldest_files_make_room(folder, monkeypatch):
     assert sorted(file.name for file in folder.iterdir()) == ["object2.o", "object3.o", "object4.o"]
 
 
+def test_what_is_used_stays(folder, monkeypatch):
+    """Machine code of a machine that is studied every day is older than that of any tried since."""
+    monkeypatch.setattr(object_cache, "MOST_BYTES", 3500)
+    for i in range(3):
+        object_cache.store(f"object{i}", bytes(1000))
+        os.utime(folder / f"object{i}.o", (i, i))
+    assert object_cache.load("object0") == bytes(1000)
+    object_cache.store("object3", bytes(1000))
+    assert sorted(file.name for file in folder.iterdir()) == ["object0.o", "object2.o", "object3.o"]
+
+
+def test_what_was_used_just_now_is_not_dated_anew(folder, monkeypatch):
+    object_cache.store("object", bytes(1000))
+    monkeypatch.setattr(os, "utime", lambda path: pytest.fail("written to"))
+    assert object_cache.load("object") == bytes(1000)
+
+
 def test_the_folder_is_not_listed_at_each_write(folder, monkeypatch):
     """With many files that takes longer than compiling does: 400 functions of a machine are 1800 files."""
     listed, scandir = [], os.scandir
