@@ -108,3 +108,35 @@ def test_a_circle_of_equilibria_is_closed_with_two_folds():
     assert (
         np.max(np.abs(branch["x"] ** 2 + branch["lam"] ** 2 - 1.0)) < 1e-12
     )  # the corrector ends at rounding
+
+
+def roessler(t, x, p, dx):
+    dx[0] = -x[1] - x[2]
+    dx[1] = x[0] + p.a * x[1]
+    dx[2] = 0.2 + x[2] * (x[0] - p.c)
+
+
+@pytest.mark.slow
+def test_a_pair_that_passes_right_at_a_fold_is_told_beside_it() -> None:
+    """Roessler's equilibria fold at c^2 = 4 a b, where their trace is a - c / 2: with a = b both at once.
+
+    There the eigenvalues are 0 and +-i omega, omega^2 = 2 - a^2; the line through a zero-Hopf point has both.
+    """
+    problem = small_problem(roessler, ["x", "y", "z"], {"c": 2.0, "a": 0.2}, "c")
+    branch = cw.continue_branch(problem, [0.02, -0.1, 0.1], range=(0.1, 2.5))
+    points = [p for p in branch.special_points if p.label != "EP"]
+    assert sorted(p.label for p in points) == ["HB", "LP"]
+    for point in points:
+        assert point.status == "located"
+        assert abs(point.parameters["c"] - 0.4) <= point.error < 1e-15
+    hopf = next(p for p in points if p.label == "HB")
+    assert hopf.criticality is None
+    assert "no first Lyapunov coefficient" in hopf.note
+    assert hopf.coefficients["omega"] == pytest.approx(1.4, rel=1e-14)
+    counts = [(p.unstable_before, p.unstable_after) for p in points]
+    assert counts[0][1] == counts[1][0]
+    assert {abs(after - before) for before, after in counts} == {1, 2}
+    for label in ("HB", "LP"):  # whose curves have the zero-Hopf point that they begin at
+        curve = cw.continue_locus(problem.system, branch, f"{label}1", {"c": (0.1, 2.0), "a": (0.1, 0.4)})
+        (point,) = [p for p in curve.special_points if p.label == "ZH"]
+        assert abs(point.parameters["a"] - 0.2) <= point.errors["a"] + 2.0**-54

@@ -115,11 +115,13 @@ class CycleSizes:
 
 def _square_per_change(point: SpecialPoint) -> float:
     """rho^2 per change of the parameter: rate / (omega |l1|); 0 where the normal form does not tell: l1 is
-    zero to its error.
+    zero to its error, or has no value.
     """
+    if point.criticality is None:
+        return 0.0
     omega, l1 = float(point.coefficients["omega"]), abs(float(point.coefficients["l1"]))
     rate = abs(float(point.coefficients["crossing_rate"]))
-    return rate / (omega * l1) if point.criticality is not None else 0.0
+    return rate / (omega * l1)
 
 
 def _inverse_of(matrix: np.ndarray) -> np.ndarray:

@@ -20,6 +20,8 @@ from contwalk.problems.equilibrium.normal_forms import Forms, rounded
 from contwalk.problems.equilibrium.points.point import SURE, EquilibriumPoint, Form
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
+ZERO_TOO = "degenerate: an eigenvalue is zero as well, so there is no first Lyapunov coefficient"
+
 
 class Hopf(EquilibriumPoint):
     """A pair of complex eigenvalues passes the imaginary axis."""
@@ -36,7 +38,10 @@ class Hopf(EquilibriumPoint):
 
     def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """The first Lyapunov coefficient, and the side to which cycles are born."""
-        coefficients = hopf_coefficients(problem, located, sample.weights)
+        try:
+            coefficients = hopf_coefficients(problem, located, sample.weights)
+        except np.linalg.LinAlgError:  # A is singular: right at a fold
+            return None, None, {"omega": float(located.vectors["omega"])}, ZERO_TOO
         criticality, note = _criticality(problem, coefficients)
         return None, criticality, coefficients, note
 
