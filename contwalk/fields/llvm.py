@@ -20,6 +20,9 @@ from contwalk import object_cache
 from contwalk.fields.special_functions import called_in
 
 _LOCK = threading.RLock()
+# Lines of a block up to which operations are paired into vectors. The time that looking for pairs takes grows
+# faster than the block: of a Jacobian of 10,000 lines 5 s of 6, for a tenth of the time of its calls.
+MOST_PAIRED = 5000
 
 
 @cache
@@ -122,11 +125,20 @@ def _optimized(text: str, target: binding.TargetMachine) -> binding.ModuleRef:
     module.verify()
     options = binding.create_pipeline_tuning_options(speed_level=2)
     options.loop_vectorization = True
-    options.slp_vectorization = True
+    options.slp_vectorization = _longest_block(text) <= MOST_PAIRED
     binding.create_pass_builder(target, options).getModulePassManager().run(
         module, binding.create_pass_builder(target, options)
     )
     return module
+
+
+def _longest_block(text: str) -> int:
+    """Lines of the longest straight line of operations: between labels, and heads and ends of functions."""
+    longest = current = 0
+    for line in text.splitlines():
+        current = current + 1 if line.startswith((" ", "\t")) else 0
+        longest = max(longest, current)
+    return longest
 
 
 def linked_code(text: str, symbols: Sequence[str], called: Mapping[str, int]) -> Code:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 
 import numpy as np
@@ -10,6 +11,7 @@ from function_samples import SAMPLES
 from traced_kernels import program_of
 
 from contwalk.errors import PluginError
+from contwalk.fields import llvm
 from contwalk.fields.derivative import jacobian
 from contwalk.fields.functions import FUNCTIONS
 from contwalk.fields.kernel import Kernel
@@ -179,3 +181,29 @@ def test_many_paths_share_what_they_have_in_common():
     inputs = {field._program.graph.input("u", i): ("x", i) for i in range(6)}
     text, _ = function("rhs", field._program, ("x", "c"), inputs, time=True)
     assert text.count("call double @sin") == 200
+
+
+def _differences(count):
+    """IR of `differences(x, out)`: count steps, each of which pairs of operations can be made of."""
+    lines = ["define void @differences(ptr noalias %x, ptr noalias %out) {"]
+    for i in range(count):
+        lines += [
+            f"  %a{i} = getelementptr double, ptr %x, i64 {i}",
+            f"  %b{i} = load double, ptr %a{i}",
+            f"  %c{i} = fsub double %b{i}, 0.1",
+            f"  %d{i} = fmul double %c{i}, %c{i}",
+            f"  %e{i} = getelementptr double, ptr %out, i64 {i}",
+            f"  store double %d{i}, ptr %e{i}",
+        ]
+    return "\n".join([*lines, "  ret void", "}", ""])
+
+
+@pytest.mark.parametrize(("count", "paired"), [(800, True), (900, False)])
+def test_very_long_lines_of_operations_are_compiled_without_looking_for_vectors(count, paired):
+    """4800 and 5400 operations: both ways give the same bits."""
+    text = _differences(count)
+    assert ("x double>" in llvm.optimized(text)) == paired
+    code = llvm.Code(llvm.compiled(text), ("differences",))
+    x, out = np.linspace(0.0, 1.0, count), np.zeros(count)
+    code.function("differences", None, ctypes.c_void_p, ctypes.c_void_p)(x.ctypes.data, out.ctypes.data)
+    assert np.array_equal(out, (x - 0.1) * (x - 0.1))
