@@ -1,0 +1,69 @@
+"""A fold at which a pair of eigenvalues passes as well: zero-Hopf, on a line through it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contwalk.continuation.kinds import crossed, pair
+from contwalk.continuation.locating import SAME_POINT, Disagreement, Found, accepted
+from contwalk.continuation.segment import Segment
+from contwalk.problems.problem import Test
+
+# How far apart two points at one place are told, in parts of the segment.
+APART = 1e-9
+
+
+def agrees(segment: Segment, low: float, high: float, found: list[Found]) -> bool:
+    """Whether no other eigenvalue has crossed between two positions, if a fold is found alone there.
+
+    At the fold itself one eigenvalue vanishes, and the signs of the others are to be seen: the counts on both
+    sides must agree with them. Beside a Bogdanov-Takens point a Hopf point lies as near to a fold as one
+    likes, and together they change the count as a fold alone does.
+    """
+    if len(found) != 1 or found[0].type.test is not Test.TURN or segment.problem.meshed is not None:
+        return True
+    sample = found[0].sample
+    sizes = np.abs(sample.eigenvalues - sample.critical)
+    vanish = sizes <= 100.0 * sample.errors + 1e-9 * sizes.max(initial=0.0)
+    least = int(np.count_nonzero((sample.measures > 0.0) & ~vanish))
+    possible = range(least, least + int(np.count_nonzero(vanish)) + 1)
+    return all(segment.at(side).unstable in possible for side in (low, high))
+
+
+def with_its_pair(segment: Segment, low: float, high: float, fold: Found) -> list[Found]:
+    """A fold, and the point that a pair of eigenvalues passes right there (zero-Hopf, on a line through it).
+
+    Nothing tells which is passed first: it is the fold, if the counts allow that.
+
+    Raises
+    ------
+    Disagreement
+        If there is no such pair at it.
+    """
+    sample = fold.sample
+    critical = np.abs(sample.measures) <= 100.0 * sample.errors
+    pairs = np.flatnonzero(critical & (sample.eigenvalues.imag > 0.0))
+    before, after = segment.at(low).unstable, segment.at(high).unstable
+    # A real one and a pair change the count by -1 and 2, say: by their sum both are known.
+    both = next((c for c in ((1, 2), (1, -2), (-1, 2), (-1, -2)) if sum(c) == after - before), None)
+    point = None
+    if len(pairs) == 1 and both is not None:
+        which = int(pairs[0])
+        kind = crossed(segment.problem, sample, which)
+        point = None if kind is None else accepted(segment, kind, sample, which, low, high)
+    if point is None or np.linalg.norm((point.located.z - fold.located.z) / segment.weights) > SAME_POINT:
+        raise Disagreement(
+            pair(segment.problem),
+            "The unstable directions beside a fold do not agree with the eigenvalues at it.",
+        )
+    assert both is not None
+    between = before + both[0] if before + both[0] >= 0 else before + both[1]
+    points = [fold, point] if between == before + both[0] else [point, fold]
+    counts = ((before, between), (between, after))
+    places = (fold.theta, fold.theta + APART) if fold.theta < 0.5 else (fold.theta - APART, fold.theta)
+    return [
+        replace(f, theta=theta, before=b, after=a, counted=True)
+        for f, theta, (b, a) in zip(points, places, counts, strict=True)
+    ]
