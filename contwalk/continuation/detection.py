@@ -17,6 +17,7 @@ import numpy as np
 
 from contwalk.continuation.along import located_along
 from contwalk.continuation.double_crossings import knots_of
+from contwalk.continuation.flat_folds import doubt, flat_fold
 from contwalk.continuation.folds_with_pairs import agrees, with_its_pair
 from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair
 from contwalk.continuation.locating import (
@@ -30,6 +31,7 @@ from contwalk.continuation.locating import (
 )
 from contwalk.continuation.segment import Segment
 from contwalk.continuation.singularity import singularity
+from contwalk.continuation.turns import FLAT, multipliers_tell, only_noise, share_of
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Located, Sample, Test
 
@@ -37,19 +39,12 @@ from contwalk.problems.problem import Located, Sample, Test
 BESIDE = 1e-3
 # How narrow a bracket says where a real eigenvalue passes zero, in parts of the segment.
 NEAR_REAL = 1e-5
-# Below this share of the parameter in the unit tangent, its sign is rounding noise.
-NO_SHARE = 1e-9
-# At a branch point the tangent comes from second derivatives at a point that is known to about this.
-FAINT_SHARE = 1e-6
-# With a smaller share of the parameter than the first a branch goes straight up; than the second, it turns.
-FLAT, NEARLY_FLAT = 1e-7, 1e-3
+# A measure of an eigenvalue that is nearly critical.
+NEARLY = 0.5
+# Two points of one kind on a segment are this far from each other, in parts of it.
+DISTINCT = 1e-3
 # What an eigenvalue that is critical at a point is there, against what it is beside it.
 CRITICAL = 1e-2
-# What is said where an eigenvalue passes zero along a branch on which the parameter stands still.
-SECOND = (
-    "A second real eigenvalue passes zero on a branch along which the parameter stands still: the branch "
-    "turns back in a state, and no other one leaves there. The place is told as it is bracketed."
-)
 
 
 def bifurcations(segment: Segment) -> list[Found]:
@@ -64,7 +59,24 @@ def bifurcations(segment: Segment) -> list[Found]:
     knots, found = knots_of(segment, first)
     for low, high in pairwise(knots):
         found += _crossings(segment, low, high, first)
-    return _counted(segment, sorted(found, key=lambda f: f.theta))
+    found = sorted(found, key=lambda f: f.theta)
+    _check_apart(segment, found)
+    return _counted(segment, found)
+
+
+def _check_apart(segment: Segment, found: list[Found]) -> None:
+    """Refuse one point that two tests have found: what one of them sees lies elsewhere, and is lost.
+
+    Raises
+    ------
+    Disagreement
+    """
+    for one, other in pairwise(found):
+        if one.type.label != other.type.label or (one.counted and other.counted):
+            continue
+        apart = float(np.linalg.norm((one.located.z - other.located.z) / segment.weights))
+        if apart < DISTINCT * segment.length:
+            raise Disagreement(other.type, f"What two tests see is one point {other.label}.")
 
 
 def at_the_end(segment: Segment) -> list[Found]:
@@ -158,60 +170,27 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
     return [found]
 
 
-def _share(sample: Sample, tangent: np.ndarray | None = None) -> float:
-    """The parameter's share of the unit tangent, zero where it is noise; `tangent`: at a branch point."""
-    if tangent is not None:
-        return float(at_branch_point(tangent, sample.weights)[-1] / sample.weights[-1])
-    share = float(sample.tangent[-1] / sample.weights[-1])
-    return share if abs(share) > NO_SHARE else 0.0
-
-
-def at_branch_point(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """A tangent at a branch point, shape (N + 1,), without a share of the parameter that is noise.
-
-    The sign of that noise would tell of a fold beside the pitchfork.
-    """
-    if abs(tangent[-1] / weights[-1]) > FAINT_SHARE * np.linalg.norm(tangent / weights):
-        return tangent
-    return np.append(tangent[:-1], 0.0)
-
-
 def _with_folds(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:
     """Branch points, and folds on the pieces between them; at them the tangent is known exactly."""
     if not kinds_of_test(segment.problem, Test.TURN):  # along a curve in two parameters a turn is none
         return branch_points
     turning, crossing = (kind_of_test(segment.problem, test) for test in (Test.TURN, Test.ORIENTATION))
-    ends = [(low, _share(segment.at(low)))]
+    ends = [(low, share_of(segment.at(low)))]
     for bp in branch_points:
         tangent = crossing.tangent(segment.problem, bp.located, bp.sample)
-        ends.append((bp.theta, _share(bp.sample, tangent) if tangent is not None else 0.0))
-    ends.append((high, _share(segment.at(high))))
+        ends.append((bp.theta, share_of(bp.sample, tangent) if tangent is not None else 0.0))
+    ends.append((high, share_of(segment.at(high))))
     found = []
     for (t0, v0), (t1, v1) in pairwise(ends):
-        if v0 * v1 < 0.0:
-            fold = locate(segment, turning, t0, t1, lambda t: _share(segment.at(t)), 0, (v0, v1))
+        if v0 * v1 < 0.0 and not multipliers_tell(segment, t0, t1):
+            fold = locate(segment, turning, t0, t1, lambda t: share_of(segment.at(t)), 0, (v0, v1))
             if fold is not None:
                 found.append(fold)
-            elif not _only_noise(segment, t0, t1):
+            elif not only_noise(segment, t0, t1):
                 raise Disagreement(turning, "The parameter turns, but no fold is found.")
     if found or not ends[0][1] * ends[-1][1] < 0.0:
         return branch_points + found
     return [found for bp in branch_points for found in _with_its_fold(segment, low, high, bp)]
-
-
-def _only_noise(segment: Segment, low: float, high: float) -> bool:
-    """Whether the parameter's share between two positions tells nothing but errors of the equations.
-
-    Along an explosion of cycles the parameter stands still to these errors, while solutions move on: they
-    alone turn it. At a fold of its own an eigenvalue would pass its critical value.
-    """
-    ends = [segment.at(theta) for theta in (low, high)]
-    errors = np.nan_to_num([end.error for end in ends])
-    share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
-    if segment.problem.meshed is None or share > float(errors.sum()) / max(segment.length, 1e-300):
-        return False
-    certain = [np.abs(end.measures) > end.errors for end in ends]
-    return ends[0].unstable == ends[1].unstable and bool(np.all(certain[0] == certain[1]))
 
 
 def _with_its_fold(segment: Segment, low: float, high: float, point: Found) -> list[Found]:
@@ -266,20 +245,11 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
         crossing = _locate_crossing(segment, low, high, which)
         if isinstance(crossing, Found):
             found.append(crossing)
-        elif not any(abs(f.theta - crossing) < _doubt(p, q, which) for f in known):
+        elif not any(abs(f.theta - crossing) < doubt(p, q, which) for f in known):
             unexplained.append((crossing, which))
     if unexplained:
-        found.append(_multiple(segment, unexplained) or _flat_fold(segment, low, high, unexplained))
+        found.append(_multiple(segment, unexplained) or flat_fold(segment, low, high, unexplained))
     return found
-
-
-def _doubt(p: Sample, q: Sample, which: int) -> float:
-    """How far from its point a real eigenvalue may seem to pass its critical value, in parts of the
-    segment.
-    """
-    known = max((s.spectrum_error or 0.0) + np.nan_to_num(s.trivial_error) for s in (p, q))
-    change = abs(float(p.measures[which] - q.measures[which]))
-    return 1e-3 + 10.0 * known / max(change, 1e-300)
 
 
 def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found | None:
@@ -288,36 +258,6 @@ def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found | N
     if len(crossings) > 1 and max(thetas) - min(thetas) < 10.0 * NEAR_REAL:
         return locate_multiple(segment, thetas[0])
     return None
-
-
-def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[float, int]]) -> Found:
-    """The fold at which an eigenvalue passes zero while the parameter hardly moves.
-
-    In an explosion of cycles the parameter may turn by less than it is known to: then the fold is where the
-    eigenvalue passes, and known along the branch as well as that is.
-    """
-    ends = [segment.at(theta) for theta in (low, high)]
-    share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
-    kind = kind_of_test(segment.problem, Test.TURN)
-    if share > FLAT:
-        likely = kind if share < NEARLY_FLAT else kind_of_test(segment.problem, Test.ORIENTATION)
-        raise Disagreement(
-            likely, "A real eigenvalue passes zero where there is no fold and no branch point."
-        )
-    theta, which = crossings[0]
-    sample, width = segment.at(theta), abs(float(segment.chord[-1]))
-    if segment.vertical:  # every point of it solves the equations of a fold
-        known = max(width, float(np.spacing(abs(sample.parameter))))
-        located = Located(sample.z, known, {"note": SECOND}, refined=False)
-        return Found(theta, kind, located, sample, kind="unlocated")
-    doubt = min(_doubt(segment.at(low), segment.at(high), which), 1.0)
-    fold = first_accepted(segment, (*kind.flat, kind), sample, which, low - doubt, high + doubt)
-    if fold is not None:
-        return fold
-    note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."
-    return Found(
-        theta, kind, Located(sample.z, width, {"note": note}, refined=False), sample, kind="unlocated"
-    )
 
 
 def _same_pair(found: Found, which: int) -> bool:
@@ -337,7 +277,9 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
         kind = crossed(segment.problem, sample, which)
         if kind is not None:
             still = abs(float(sample.tangent[-1] / sample.weights[-1])) <= FLAT
-            return first_accepted(segment, (kind, *kind.flat * still), sample, which, left, right)
+            # From farther away it may be a long way along the branch, on each of several finer steps.
+            flat = kind.flat if still and abs(sample.measures[which]) < NEARLY else ()
+            return first_accepted(segment, (kind, *flat), sample, which, left, right)
         # A real eigenvalue: its place is enough, and nearer to it the corrector may be singular.
         met = abs(sample.measures[which]) <= sample.errors[which]
         return theta if met or right - left < NEAR_REAL else None

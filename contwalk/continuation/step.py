@@ -8,7 +8,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
-from contwalk.continuation.detection import at_branch_point, at_the_end
+from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.locating import Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.newton import Correction, Explanation, correct, text_of
@@ -16,6 +16,7 @@ from contwalk.continuation.points_before_limits import COINCIDE, everything, eve
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
+from contwalk.continuation.turns import at_branch_point
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Located, Problem, Sample, Test

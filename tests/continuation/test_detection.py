@@ -11,7 +11,7 @@ from made_up import MadeUp, at, circle, line, parabola, pitchfork, unrefined
 from small_systems import small_problem
 
 import contwalk as cw
-from contwalk.continuation.detection import at_the_end, bifurcations
+from contwalk.continuation.detection import _check_apart, at_the_end, bifurcations
 from contwalk.continuation.locating import Disagreement
 
 
@@ -85,6 +85,39 @@ def test_any_other_turn_without_a_fold_is_a_disagreement(turn, value, off):
 def test_a_family_that_stands_still_has_no_fold():
     """As where a machine conserves something at one value of its parameter: one eigenvalue is critical on."""
     assert bifurcations(hardly_turning(1e-8, lambda z: [-1e-15], 1e-7)) == []
+
+
+@pytest.mark.parametrize("turn", [1e-9, 1e-3])
+def test_where_the_parameter_stands_still_eigenvalues_tell_the_fold(turn):
+    """It turns at 0.2, by rounding, and the eigenvalue passes at -0.1."""
+    problem = OnSteps(
+        lambda z: [turn * (z[0] - 0.2) ** 2 - z[1]],
+        lambda z: [[2.0 * turn * (z[0] - 0.2), -1.0]],
+        lambda z: [z[0] + 0.1],
+        special={"LP": [at(-0.1, 0.09 * turn)]},
+    )
+    segment = problem.segment((-0.3, 0.25 * turn), (0.4, 0.04 * turn))
+    if turn > 1e-7:  # it is to be believed then
+        with pytest.raises(Disagreement, match="The parameter turns, but no fold is found"):
+            bifurcations(segment)
+        return
+    (fold,) = bifurcations(segment)
+    assert told([fold]) == [("LP", 0, 1)]
+    assert fold.theta == pytest.approx(2.0 / 7.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("apart", "refused"), [(1e-5, True), (0.1, False)])
+def test_one_point_that_two_tests_see_is_a_disagreement(apart, refused):
+    """A fold was told twice in a step, and the doubling beside it was lost."""
+    segment = parabola().segment((-0.3, 0.09), (0.4, 0.16))
+    (fold,) = bifurcations(segment)
+    again = replace(fold, located=replace(fold.located, z=np.array([apart, 0.0])))
+    if not refused:
+        return _check_apart(segment, [fold, again])
+    with pytest.raises(Disagreement, match="What two tests see is one point LP") as raised:
+        _check_apart(segment, [fold, again])
+    assert raised.value.type.label == "LP"
+    return None
 
 
 def test_both_folds_of_a_segment_that_turns_twice_need_a_shorter_one():

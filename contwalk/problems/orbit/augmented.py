@@ -27,7 +27,7 @@ from contwalk.problems.orbit.lacking import Lacking
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.solving import newton_on
-from contwalk.problems.problem import Located, Sample
+from contwalk.problems.problem import Located, Sample, Test
 
 ITERATIONS = 14
 # A correction this small, in the metric, ends the iteration at once; one that no longer shrinks below the
@@ -39,8 +39,8 @@ MOST_REFINEMENTS = 4
 # A point moves by less from steps to finer ones, in the metric; where it is told by a multiplier along a
 # branch on which that changes by 1e100 while the parameter stands still, by less than the second.
 MOVED, MOVED_ALONG = 1e-2, 0.3
-# Along such a branch: steps at most, their length, and how near to the zero they end.
-MOST_MOVES, LONGEST, NEAREST = 100, 5e-3, 1e-8
+# Along such a branch: steps at most, their length, and how near to the zero they end, in the metric and in g.
+MOST_MOVES, LONGEST, NEAREST, NEARLY = 100, 5e-3, 1e-8, 0.1
 # A point's own multiplier is this near to what it should be there, or so many times what it is known to.
 CRITICAL, KNOWN = 0.1, 10.0
 # Displacement along the branch, in the metric, for the rate of a function that has no derivatives.
@@ -110,9 +110,12 @@ def located(problem: OrbitData, kind: OrbitKind, sample: Sample, which: int) -> 
         found = None if system is None else solved(problem, system, sample)
     except (np.linalg.LinAlgError, NotFinite):
         return None
-    if found is None or kind.multiplier != -1.0:
+    # A fold of pinned equations moves no multiplier.
+    told = kind.multiplier == -1.0 or (kind.test is Test.TURN and not problem.pins)
+    if found is None or kind.multiplier is None or not told:
         return found
-    return replace(found, refine=lambda: _with_multiplier(found.settled(), -1.0))
+    critical = kind.multiplier
+    return replace(found, refine=lambda: _with_multiplier(found.settled(), critical))
 
 
 def _with_multiplier(found: Located | None, critical: float) -> Located | None:
@@ -255,7 +258,7 @@ def _begun(problem: OrbitData, system: Augmented, start: np.ndarray) -> np.ndarr
 
 
 def _along_branch(problem: OrbitData, system: Augmented, start: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """The orbit nearest to where g vanishes, by the secants of g and short steps along the branch.
+    """The orbit nearest to where g vanishes, by secants of g, between its signs once both are known.
 
     `start` and `across` have the shape (N + 1,).
 
@@ -268,18 +271,23 @@ def _along_branch(problem: OrbitData, system: Augmented, start: np.ndarray, acro
     y = newton_on(problem, start, weights, across)
     residual, jacobian, _ = _evaluated(problem, system, y)
     g, slope = float(residual[-1]), 0.0
+    place, other = 0.0, np.nan  # along the branch, and where g has the other sign, as far as that is known
     for _ in range(MOST_MOVES):
         tangent = problem.linearize(y).tangent(across, weights)
         slope = slope or float(jacobian[-1] @ tangent)
         move = -g / slope if slope else np.nan
-        if not abs(move) > NEAREST:
+        if not (abs(move) > NEAREST or abs(g) > NEARLY):
             break
+        if not np.isnan(other) and not 0.0 < move / (other - place) < 1.0:
+            move = 0.5 * (other - place)
         move = float(np.clip(move, -LONGEST, LONGEST))
         further = newton_on(problem, y + move * tangent, weights, across)
         after = float(_evaluated(problem, system, further)[0][-1])
         if not np.isfinite(after):
             break
-        y, g, slope = further, after, (after - g) / move
+        if after * g < 0.0:
+            other = place
+        y, g, slope, place = further, after, (after - g) / move, place + move
     return y
 
 
@@ -354,26 +362,15 @@ def along(sample: Sample, value: Callable[[OrbitData, np.ndarray], float], slope
 
 
 def where_zero(
-    problem: OrbitData, sample: Sample, value: Callable[[OrbitData, np.ndarray], float]
+    problem: OrbitData,
+    sample: Sample,
+    value: Callable[[OrbitData, np.ndarray], float],
+    beside: float = BESIDE,
 ) -> Augmented | None:
     """F = 0 and a function of an orbit and its unknowns (N + 1,) that passes zero near a sample.
 
-    Its rate is the difference of the motions displaced along the tangent to both sides; None where there is
-    none, as at an extremum.
+    Its rate is the difference of the motions displaced by `beside` along the tangent to both sides; None
+    where there is none, as at an extremum.
     """
-    ahead, behind = (value(problem, sample.z + h * sample.tangent) for h in (BESIDE, -BESIDE))
-    return along(sample, value, (ahead - behind) / (2.0 * BESIDE))
-
-
-def along_branch(problem: OrbitData, sample: Sample, multiplier: float) -> Augmented | None:
-    """A real multiplier at 1 or -1 near a sample, where the parameter stands still."""
-
-    def value(there: OrbitData, z: np.ndarray) -> float:
-        found = there.multipliers(z, there.linearize(z).jacobian).values * multiplier
-        nearest = complex(found[int(np.argmin(np.abs(found - 1.0)))])
-        return float(np.log(nearest.real)) if nearest.imag == 0.0 < nearest.real else float("nan")
-
-    system = where_zero(problem, sample, value)
-    # On other steps the branch is as far along as errors of the steps are worth, where the multiplier is
-    # another by far.
-    return None if system is None else replace(system, across=sample.tangent / sample.weights**2)
+    ahead, behind = (value(problem, sample.z + h * sample.tangent) for h in (beside, -beside))
+    return along(sample, value, (ahead - behind) / (2.0 * beside))

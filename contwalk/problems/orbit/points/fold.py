@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.problems.orbit import normal_forms, variations
-from contwalk.problems.orbit.augmented import Augmented, Near, along_branch
+from contwalk.problems.orbit.augmented import Augmented, Near
+from contwalk.problems.orbit.critical_along import along_branch
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.point_records import Form
