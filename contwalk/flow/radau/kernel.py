@@ -10,7 +10,7 @@ import numpy as np
 
 from contwalk.flow.compiled.calling import doubles, inlined, record
 from contwalk.flow.radau.estimate import estimated, estimated_again, norm
-from contwalk.flow.radau.newton import CONVERGED, NOT_FINITE, iterate, linearize, predict
+from contwalk.flow.radau.newton import CONVERGED, NOT_FINITE, iterate, linearize, predict, solved
 from contwalk.flow.radau.parts import EPSILON, Equations, Method, Work, equations, method, radau_call, work
 from contwalk.flow.radau.radau_call import RadauCall, RadauControl, RadauCounts
 
@@ -53,8 +53,7 @@ def radau_march(address: int) -> int:
         h = grid[step + 1] - grid[step]
         if not linearize(eq, w, grid[step], now):
             return step
-        predict(eq, m, w, h, before)
-        if iterate(eq, m, w, grid[step], h, now, MOST_PASSES_FROZEN)[0] != CONVERGED:
+        if not solved(eq, m, w, grid[step], h, before, now, MOST_PASSES_FROZEN):
             return step
         if call.errors != 0:
             pair = doubles(call.errors + 16 * step, 2)

@@ -250,6 +250,23 @@ def iterate(
 
 
 @inlined
+def solved(
+    eq: Equations, m: Method, w: Work, t: float, h: float, before: float, x: np.ndarray, most: int
+) -> bool:
+    """The increments of a step that cannot be shortened; whether they are found.
+
+    Where the polynomial of the step before, of length `before`, leads nowhere, they are begun from none.
+    """
+    predict(eq, m, w, h, before)
+    if iterate(eq, m, w, t, h, x, most)[0] == CONVERGED:
+        return True
+    if before == 0.0:
+        return False
+    predict(eq, m, w, h, 0.0)
+    return iterate(eq, m, w, t, h, x, most)[0] == CONVERGED
+
+
+@inlined
 def _mean_rate(first: float, size: float, passes: int) -> float:
     """By how much a pass reduced the corrections in the geometric mean, down to the level of rounding."""
     if passes < 2 or first <= 1.0:

@@ -11,7 +11,7 @@ import numpy as np
 from contwalk.flow.compiled.calling import call_rhs, doubles, inlined
 from contwalk.flow.radau.dense_lu import LARGEST, factor, solve
 from contwalk.flow.radau.kernel import MOST_PASSES_FROZEN, accept
-from contwalk.flow.radau.newton import CONVERGED, iterate, linearize, predict
+from contwalk.flow.radau.newton import linearize, solved
 from contwalk.flow.radau.parts import (
     Equations,
     Method,
@@ -96,8 +96,7 @@ def radau_tangents(address: int) -> int:
         h = grid[step + 1] - t
         if not linearize(eq, w, t, now):
             return step
-        predict(eq, m, w, h, before)
-        if iterate(eq, m, w, t, h, now, MOST_PASSES_FROZEN)[0] != CONVERGED:
+        if not solved(eq, m, w, t, h, before, now, MOST_PASSES_FROZEN):
             return step
         if not step_tangents(eq, m, w, t, h, now, v):
             return step
