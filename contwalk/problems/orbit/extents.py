@@ -46,7 +46,8 @@ def sizes_since(orbit: OrbitData, sample: Sample, begun: Sample) -> np.ndarray:
     A state's is half its range over the orbit, or a quarter of how far the middle of that range has moved
     since the beginning. Where these ways of all states are longer than what any moves over an orbit, as of
     small cycles, they are shortened alike, so that one state at least weighs as over its orbit: else
-    arclength would not tell what becomes of the cycles.
+    arclength would not tell what becomes of the cycles. A force that is weak makes small ripples: what
+    becomes of those is how far they have moved.
     """
     assert sample.sizes is not None
     if sample.extent is None or begun.extent is None:
@@ -56,7 +57,7 @@ def sizes_since(orbit: OrbitData, sample: Sample, begun: Sample) -> np.ndarray:
     if not np.any(tells):
         return sample.sizes
     with np.errstate(divide="ignore"):
-        share = min(float((half[tells] / moved[tells]).max()), OF_THE_WAY)
+        share = min(np.inf if orbit.forced else float((half[tells] / moved[tells]).max()), OF_THE_WAY)
     declared = np.array([state.scale is not None for state in orbit.system.states])
     along, result = orbit.weighted(np.where(declared, 0.0, share * moved)), sample.sizes.copy()
     for place, _ in orbit.places:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from plugin_runs import run_text, write_plugin
 from small_systems import small_problem
 
 import contwalk as cw
@@ -55,6 +56,23 @@ def test_of_small_cycles_one_state_weighs_as_over_its_orbit(b, weights):
     branch = cycles(carried, "uv", {"a": 1.0, "b": b}, [1.01, b], (1.0, 1.1))
     assert branch.outcome.reason == "bound", branch.outcome
     np.testing.assert_allclose(branch.points["weights"][-1, :2], weights, rtol=2e-2)
+
+
+def test_ripples_of_a_weak_force_do_not_shorten_the_steps(tmp_path):
+    """Orbits that leave a pitchfork, and ripple by 1e-3 of their height: steps were 1e-4 of that."""
+    write_plugin(
+        tmp_path, "dx[0] = (p.a + 0.01 * math.cos(2.0 * math.pi * t)) * x[0] - x[0] ** 3", "x", a=-0.1
+    )
+    plugin = tmp_path / "small.py"
+    text = plugin.read_text(encoding="utf-8").replace("    modes=", "    period=lambda p: 1.0,\n    modes=")
+    plugin.write_text("import math\n" + text, encoding="utf-8")
+    result = run_text(tmp_path, "start: {state: {x: 0.0}}\ncontinue: {parameter: a, range: [-0.1, 1.0]}\n")
+    _, branch = result.branches
+    assert branch.outcome.reason == "bound", branch.outcome
+    # Steps of a tenth of a quarter of the way: 260 to each side from 1e-3 of the height.
+    assert len(branch.points) < 520
+    # By Bernoulli the mean of x^2 over a period is that of the growth, a; x^2 ripples by 0.01 / pi of itself.
+    assert branch["max:x"].max() == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_branch_goes_on_with_the_weights_of_the_whole_one():
