@@ -8,8 +8,9 @@ import sys
 import traceback
 from collections.abc import Mapping
 from dataclasses import replace
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from contwalk.errors import ContwalkError, SystemDefinitionError, called
 from contwalk.memory import remembered
@@ -111,6 +112,18 @@ def plugin_files(reference: str, base: Path | None = None) -> dict[str, str]:
     return {} if point is None else hashes_of_installed(point)
 
 
+class _AsItStands(SourceFileLoader):
+    """Compiles what a file says now.
+
+    What Python keeps compiled it knows by length and second alone: a plugin that was written anew within a
+    second, with another digit, would be the old one.
+    """
+
+    def path_stats(self, path: str) -> NoReturn:
+        """Nothing is looked for beside the file, nor kept there."""
+        raise OSError
+
+
 def _from_file(path: Path, reference: str) -> System | Family:
     if path.is_dir():
         raise SystemDefinitionError(
@@ -125,6 +138,8 @@ def _from_file(path: Path, reference: str) -> System | Family:
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise SystemDefinitionError(f"{path} is not a Python file.", "A plugin's name ends in .py.")
+    if isinstance(spec.loader, SourceFileLoader):
+        spec.loader = _AsItStands(name, str(path))
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import sys
+
 from contwalk.system import load_system
 from contwalk.system import plugin_files as plugin_files_module
-from contwalk.system.loading import plugin_files
+from contwalk.system.loading import load_declaration, plugin_files
 from contwalk.system.plugin_files import hash_of, hashes_of_file
 
 
@@ -85,3 +88,20 @@ def test_an_installed_system_has_the_files_of_its_package():
     assert not any("walker" in name for name in found)
     assert load_system("autobalancer").source == hash_of(found)
     assert plugin_files("no_such_system") == {}
+
+
+def test_a_plugin_that_is_written_anew_within_a_second_is_the_new_one(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    text = (
+        "from contwalk.system import Mode, Parameter, State, System\n"
+        "def field(t, x, p, dx):\n    dx[0] = p.k - x[0]\n"
+        'SYSTEM = System(name="own", states=(State("x"),), parameters=(Parameter("k", 1.0),),\n'
+        '                modes=(Mode("free", field),))\n'
+    )
+    defaults = []
+    for number in ("1.0", "2.0"):
+        file = tmp_path / "own.py"
+        file.write_text(text.replace("1.0", number), encoding="utf-8")
+        os.utime(file, (1e9, 1e9))
+        defaults.append(load_declaration(str(file)).parameters[0].default)
+    assert defaults == [1.0, 2.0]
