@@ -67,8 +67,8 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
             continue
         if point is not None and not any(point is known for known in found):
             # What its equations have found it to be may be another limit than the one that led to it.
-            told = limited.limits[int(point.located.vectors["limit"])]
-            found.append(replace(point, type=told.type))
+            other = limited.limits[int(point.located.vectors["limit"])]
+            found.append(replace(point, type=other.type))
     for which, reason in lost.items():  # told by the leg that vanishes where they pass zero
         if not any(which in point.located.vectors.get("vanishing", ()) for point in found):
             raise reason

@@ -16,7 +16,10 @@ FLAT, NEARLY_FLAT = 1e-7, 1e-3
 
 
 def share_of(sample: Sample, tangent: np.ndarray | None = None) -> float:
-    """The parameter's share of the unit tangent, zero where it is noise; `tangent`: at a branch point."""
+    """The parameter's share of the unit tangent, zero where it is noise.
+
+    `tangent`, of shape (N + 1,), is that of a branch point.
+    """
     if tangent is not None:
         return float(at_branch_point(tangent, sample.weights)[-1] / sample.weights[-1])
     share = float(sample.tangent[-1] / sample.weights[-1])
