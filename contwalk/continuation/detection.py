@@ -164,7 +164,7 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
     if inside:
         return inside
     value, kind = singularity(segment, p, q), kind_of_test(segment.problem, Test.ORIENTATION)
-    found = locate(segment, kind, low, high, lambda t: value(segment.at(t)), 0)
+    found = locate(segment, kind, low, high, lambda t: value(segment.near(t)), 0)
     if found is None:
         raise Disagreement(kind, "The orientation changes, but no branch point is found.")
     return [found]

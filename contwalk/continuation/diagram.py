@@ -125,6 +125,11 @@ class Diagram:
             family = next((b.name for b in self.branches if _ends_at_point(b, state)), None)
             if family is not None:
                 return Known(family)
+        if start.leaves is not None and start.leaves.daughters == 1:
+            siblings = (b for b in self.branches if b.info.parent and b.info.parent[0] == start.parent[0])
+            child = next((b.name for b in siblings if _comes_back_at(b, state)), None)
+            if child is not None:
+                return Known(child)
         # A branch point lies on the parent anyway: look at the first points away from it.
         mirrored = self._walk.mirror(opening, start) is not None
         signs = self._walk.signs(start)[: 1 if mirrored else 2]
@@ -199,6 +204,22 @@ class Diagram:
 
 # How near the last orbit of a family is to the Hopf point that it ends at, in parameter, period and state.
 NEAR_PARAMETER, NEAR_PERIOD, NEAR_STATE = 0.05, 0.1, 0.5
+
+
+# Parameter and period of a child's end agree to this, relatively, with those of the point of its parent's at
+# which it comes back: two points of a branch that are one, however their orbits' first states are chosen.
+COMES_BACK = 1e-7
+
+
+def _comes_back_at(branch: Branch, state: ContinuationState) -> bool:
+    """Whether a child ends at the very point of its parent's that another one is to leave: it is that one."""
+    for point in branch.special_points:
+        if point.label == END and point.kind == "rejoined":
+            row, sample = branch.points[point.index], state.sample
+            ends = float(row["free"][0]), float(row["period"])
+            if np.allclose(ends, (sample.parameter, sample.period), rtol=COMES_BACK, atol=0.0):
+                return True
+    return False
 
 
 def _ends_at_point(branch: Branch, state: ContinuationState) -> bool:

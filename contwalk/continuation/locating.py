@@ -73,7 +73,7 @@ def locate(
     """The special point bracketed by a test, by its defining system."""
 
     def attempt(theta: float, left: float, right: float) -> Found | None:
-        return accepted(segment, kind, segment.at(theta), which, left, right)
+        return accepted(segment, kind, segment.near(theta), which, left, right)
 
     v0, v1 = values or (value(low), value(high))
     if v0 * v1 > 0.0:  # the borders of the test were chosen badly for so long a segment

@@ -46,6 +46,17 @@ def returned_to_parent() -> Outcome:
     )
 
 
+def slid_onto_parent(name: str, value: float) -> Outcome:
+    """The walk came to lie along the branch that its own one left, without passing it."""
+    return Outcome(
+        "failed",
+        "no_convergence",
+        f"Before {name} = {value:.10g} the walk has come onto the branch of solutions that repeat "
+        "themselves, or are their own images, from which its own one leaves: its last points are not "
+        "its own. A finer `accuracy`, or more `engine: {segments}` of orbits, tell the two apart.",
+    )
+
+
 def stop_at(what: str) -> Outcome:
     """A value of `stop_at` was met."""
     return Outcome("stopped", "stop_at", f"Stopped at {what}, as asked. Remove it from `stop_at` to go on.")

@@ -19,6 +19,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, adapted, grown
 from contwalk.continuation.step import Step, take_step
 from contwalk.errors import ContwalkError, NotFinite
+from contwalk.problems.parents import SymmetriesLost
 from contwalk.problems.problem import LimitType, Problem, Sample
 
 
@@ -64,7 +65,7 @@ def walk(
     done : int
         How many points it has had since.
     """
-    origin, number, point = begun or state, 0, (problem, state)
+    origin, number, point, lost = begun or state, 0, (problem, state), SymmetriesLost()
     try:
         while True:
             closed: float | None = None
@@ -92,7 +93,11 @@ def walk(
                         place = replace(place, sample=replace(place.sample, unstable=found.after))
                         yield End(outcome, end_record(problem, place, outcome, sign, point=record))
                         return
+                slid = _slid(lost, step)
                 state = _arrived(problem, step, state, sign, settings, before, origin.sample)
+                if slid:
+                    outcome = outcomes.slid_onto_parent(observer.line.free, state.sample.parameter)
+                    break
             problem, state, point = yield from _taken_up(problem, state, settings)
             number += 1
             if closed is not None:
@@ -147,6 +152,13 @@ def _back(
     if outcome.reason != "bound" or problem.line.second is None:
         return None
     return reentered(problem, state, settings, sign)
+
+
+def _slid(lost: SymmetriesLost, step: Step) -> bool:
+    """Whether a step lies along the parent of the walk's own branch, onto which earlier ones have slid."""
+    problem, a, b = step.segment.problem, step.segment.a, step.there
+    apart = problem.equivalence.asymmetries
+    return lost.regained(lambda: apart(a.z), lambda: apart(b.z))
 
 
 def _finished(

@@ -72,6 +72,13 @@ class Segment(HermiteCurve):
             return self._known[theta]
         return replace(self.a, z=self.guess(theta), tangent=self.direction(theta))
 
+    def near(self, theta: float) -> Sample:
+        """The solution at theta, or the arc's where the corrector finds none, as beside a branch point."""
+        try:
+            return self.at(theta)
+        except LostBranch:
+            return self.nearly(theta)
+
     def _corrected(self, problem: Problem, guess: np.ndarray) -> tuple[Correction, Linearization]:
         """The solution in the hyperplane across the chord through a guess."""
         correction = correct(problem, guess, self.normal, self.weights)

@@ -8,6 +8,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
+from contwalk.continuation.back_at_parent import WentOver, back_at_parent
 from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.locating import Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
@@ -71,6 +72,7 @@ def take_step(
     # Steps from a branch point on which the branch is a parabola that turns too much; whether one is tried.
     parabolas: list[float] = []
     on_parabola = False
+    looked = False  # for the parent, beside which shorter steps know no more
     while True:
         smallest = length <= settings.min_step
         length = max(length, settings.min_step)
@@ -109,6 +111,14 @@ def take_step(
                 explanation = str(error)
             except (TooLong, LostBranch) as error:
                 explanation = str(error)
+                blind = length < state.sample.error
+                if isinstance(error, WentOver) or (blind and not looked):
+                    looked = looked or blind
+                    reach = max(length, state.sample.error) if blind else length
+                    met = back_at_parent(correction.problem, state.sample, reach, settings, observer)
+                    if met is not None:
+                        segment, point = met
+                        return Step(segment, segment.b, [point], length)
             except np.linalg.LinAlgError:
                 explanation = "The equations are singular there in more than one direction."
             except (PluginError, NotFinite) as error:
@@ -213,9 +223,7 @@ def _segment(
     if not control.inside(z, settings.bounds):
         raise TooLong("The step passes the end of the range.")
     if problem.equivalence.gains_symmetry(a.z, z):
-        raise TooLong(
-            "The step ends on a solution that repeats itself, or is its own image, as those before do not."
-        )
+        raise WentOver
     if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(prediction.guess, z):
         raise TooLong("The branch is not told from the one that it leaves: what is found is that one's.")
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)

@@ -145,6 +145,13 @@ class Equivalence(Protocol):
         """Whether two solutions at the same parameter are one."""
         ...
 
+    def asymmetries(self, z: np.ndarray) -> Mapping[str, float]:
+        """How far a solution, shape (N + 1,), is from symmetries that a parent of its branch may have.
+
+        In units of its own range, by name.
+        """
+        ...
+
     def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
         """Whether the second of two neighbours, shape (N + 1,), has a symmetry that the first has not.
 

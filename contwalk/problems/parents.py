@@ -9,16 +9,45 @@ parent a branch is as asymmetric as before, the other way round; on the parent i
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 from contwalk.errors import NotFinite
 
 # What is less asymmetric than the first, in units of the solution's own range, may be so by errors. That less
 # than the second part of an asymmetry is left after a step is no chance.
-APPARENT, GAINED = 1e-3, 1e-3
+APPARENT, GAINED = 3e-5, 1e-2
 # The same beside a branch point, along a way that is known to break the symmetry.
 BROKEN, KEPT = 1e-9, 0.1
 # No asymmetry is larger, in the same units.
 LARGEST = 30.0
+# Both ends of a step are symmetric to this: the way passes a parent, and does not lie along it.
+ALONG = 1e-6
+
+
+@dataclass
+class SymmetriesLost:
+    """Symmetries that solutions of a walk have been found without, by name.
+
+    A walk that has them again at both ends of a step has slid onto its parent in steps none of which gained
+    much.
+    """
+
+    names: set[str] = field(default_factory=set)
+
+    def regained(
+        self, before: Callable[[], Mapping[str, float]], after: Callable[[], Mapping[str, float]]
+    ) -> bool:
+        """Whether both ends of a step have a symmetry that was lost on the way to it.
+
+        Each gives how far it is from having a symmetry, as for `gained_symmetry`.
+        """
+        try:
+            there = after()
+            again = {name for name in self.names if there.get(name, 1.0) < ALONG}
+            self.names |= {name for name, apart in there.items() if apart > APPARENT}
+            return bool(again) and any(apart < ALONG for name, apart in before().items() if name in again)
+        except NotFinite:
+            return False
 
 
 def gained_symmetry(

@@ -12,7 +12,7 @@ from hybrid_runs import diagram
 import contwalk as cw
 from contwalk.continuation.reopening import reopened
 from contwalk.errors import NotFinite
-from contwalk.problems.parents import gained_symmetry, kept_symmetry
+from contwalk.problems.parents import SymmetriesLost, gained_symmetry, kept_symmetry
 from contwalk.system import Mode, Parameter, State, Symmetry, System
 
 
@@ -62,6 +62,29 @@ def test_a_motion_that_ends_tells_nothing():
         raise NotFinite("the motion ends", "nothing to do")
 
     assert not gained_symmetry(lambda: {"itself": 0.1}, ends)
+
+
+def test_a_symmetry_that_was_lost_and_stays_is_that_of_the_parent():
+    lost = SymmetriesLost()
+
+    def regained(before, after):
+        return lost.regained(lambda: {"itself": before}, lambda: {"itself": after})
+
+    assert not regained(0.0, 1e-8)  # had from the first on
+    assert not regained(1e-8, 0.2)
+    assert not regained(0.2, 1e-8)  # it may be passed
+    assert not regained(1e-8, 0.2)
+    assert regained(1e-8, 1e-9)
+
+
+def test_a_walk_that_slides_onto_its_parent_says_so(monkeypatch):
+    """No step gains much: what is left of an asymmetry falls by a factor of ten with each."""
+    problem = cw.Equilibrium(bubble(), {"lam": 0.02}, "lam")
+    monkeypatch.setattr(cw.Equilibrium, "asymmetries", lambda self, z: {"mirror": 10.0 ** (-20.0 * z[-1])})
+    branch = cw.continue_branch(problem, [0.0, 1.0], (0.01, 0.9), max_step=0.05)
+    assert (branch.outcome.status, branch.outcome.reason) == ("failed", "no_convergence")
+    assert "has come onto the branch" in branch.outcome.message
+    assert branch["lam"].max() == pytest.approx(0.3, abs=0.15)  # where 1e-6 is left, within some steps
 
 
 def bubble() -> System:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import partial
 from itertools import compress
 
 import numpy as np
@@ -23,6 +25,9 @@ AT_STEP = 1e-14
 # One leg may be gone round so many times at most, and be told as once; what is that near to where it began,
 # between steps, is looked at.
 MOST_REPETITIONS, NEAR = 1000, 1e-2
+# Where on one leg states are compared with their images, in parts of what is before the last image; and what
+# counts as near at the first of these.
+PHASES, NEAR_AT_START = (0.0, 0.25, 0.5, 0.75), 0.03
 
 
 def of_moving(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
@@ -107,8 +112,12 @@ def state_at(problem: DiscretizedOrbit, z: np.ndarray, part: float) -> np.ndarra
     return views[i].full(carried_to(there, own, np.zeros(len(own)), share, i)[0])
 
 
-def apart(problem: DiscretizedOrbit, z: np.ndarray, y: np.ndarray, i: int = 0) -> float:
-    """How far a full state y, shape (n,), is from the one at the start of leg i, in units of the range.
+def apart(
+    problem: DiscretizedOrbit, z: np.ndarray, y: np.ndarray, i: int = 0, start: np.ndarray | None = None
+) -> float:
+    """How far a full state y is from the one at the start of leg i, or another, in units of the range.
+
+    y and `start` have the shape (n,).
 
     But for where it is along neutral directions: one who drifts along, so that the whole closes, sees its
     parts close elsewhere where the image of a direction is its opposite.
@@ -116,36 +125,67 @@ def apart(problem: DiscretizedOrbit, z: np.ndarray, y: np.ndarray, i: int = 0) -
     z has the shape (N + 1,).
     """
     own, scale = list(problem.passages[i].states), problem.mesh.variation
-    given = y, _start(problem, z, i), problem.values_of(z), scale, own
+    start = _start(problem, z, i) if start is None else start
+    given = y, start, problem.values_of(z), scale, own
     return float(np.linalg.norm(neutrals.apart_at_least(problem.system, problem.pins, *given) / scale))
 
 
 def _of_one_leg(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
-    x, itinerary, known = _start(problem, z, 0), problem.itinerary, dict[float, np.ndarray]()
-
-    def later(part: float) -> np.ndarray:
-        if part not in known:
-            known[part] = state_at(problem, z, part)
-        return known[part]
-
+    x, itinerary = _start(problem, z, 0), problem.itinerary
+    states = _States(problem, z)
     found = dict[str, float]()
     # The force alone is the same again after one of its periods, not after a half: an orbit at rest is
     # no parent's.
     if not problem.forced or problem.subharmonic % (2 * itinerary.closures) == 0:
-        found["itself"] = apart(problem, z, later(0.5) - 0.5 * problem.turns)
+        found["itself"] = states.apart(0.5, lambda y: y - 0.5 * problem.turns)
     p = ParameterValues(**problem.values_of(z))
     if itinerary.image:
-        found["whole"] = apart(
-            problem, z, imaged(problem.system.symmetry(itinerary.image), x, p, itinerary.power)
-        )
+        own = problem.system.symmetry(itinerary.image)
+        found["whole"] = states.apart(0.0, lambda y: imaged(own, y, p, itinerary.power))
     for symmetry in problem.system.symmetries:
         order = order_of(symmetry, x, p)
         if itinerary.image or symmetry.role != "spatial" or order is None or order < 2:
             continue
         for power in range(1, order):
-            image = imaged(symmetry, later(1.0 / order), p, power)
-            found[f"{symmetry.name} {power}"] = apart(problem, z, image)
+            image = partial(_imaged, symmetry, p, power)
+            found[f"{symmetry.name} {power}"] = states.apart(1.0 / order, image)
     return found
+
+
+def _imaged(symmetry: Symmetry, p: ParameterValues, power: int, y: np.ndarray) -> np.ndarray:
+    return imaged(symmetry, y, p, power)
+
+
+@dataclass
+class _States:
+    """States of an orbit of one leg at parts of its closure, each computed once."""
+
+    problem: DiscretizedOrbit
+    z: np.ndarray
+    known: dict[float, np.ndarray] = field(default_factory=dict)
+
+    def at(self, part: float) -> np.ndarray:
+        """The full state there. Shape (n,)."""
+        if part not in self.known:
+            first = part == 0.0
+            self.known[part] = (
+                _start(self.problem, self.z, 0) if first else state_at(self.problem, self.z, part)
+            )
+        return self.known[part]
+
+    def apart(self, later: float, image: Callable[[np.ndarray], np.ndarray]) -> float:
+        """How far images of states are from those a part of the closure before them.
+
+        At one phase an orbit may be far nearer to its image than elsewhere: what is near at its start is
+        looked at all around.
+        """
+        found = 0.0
+        for share in PHASES:
+            part = share * (1.0 - later)
+            found = max(found, apart(self.problem, self.z, image(self.at(part + later)), start=self.at(part)))
+            if found > NEAR_AT_START:
+                break
+        return found
 
 
 # -- legs --------------------------------------------------------------------------------------------------

@@ -19,9 +19,10 @@ POINT = 1e-8
 HELD = 30.0
 # Two states of an orbit nearer than this, in units of its range, are one.
 MEETS = 1e-6
-# How far aside along the branch another orbit is looked at, in the metric; and by how much less it moves from
-# what it keeps: to the second order.
-ASIDE, STAYS = 1e-3, 0.03
+# How far aside along the branch another orbit is looked at, in the metric, and a tenth as far. From a
+# symmetry that it keeps it moves by this much less there, to the second order, and by a tenth from one that
+# it leaves.
+ASIDE, NEARER, STAYS = 1e-3, 1e-4, 0.03
 
 
 def held(problem: DiscretizedOrbit, a: Sample, b: Sample) -> Outcome | None:
@@ -87,7 +88,26 @@ def returned_to_parent(problem: DiscretizedOrbit, z: np.ndarray, tangent: np.nda
 
     z and tangent have the shape (N + 1,).
     """
-    return repeats(problem, z, MEETS) and not repeats(problem, z + ASIDE * tangent, ASIDE * STAYS)
+    return repeats(problem, z, MEETS) and not _keeps_symmetry(problem, z, tangent)
+
+
+def _keeps_symmetry(problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
+    """Whether an orbit that repeats itself, or is its own image, is so to the first order along a branch.
+
+    How far those beside it are from that depends on the phase that they are compared at: what is near to it
+    is looked at once more, nearer.
+    """
+    try:
+        aside = asymmetries(problem, z + ASIDE * tangent)
+        near = {name: apart for name, apart in aside.items() if apart < STAYS * ASIDE}
+        if not near:
+            return False
+        nearer, here = asymmetries(problem, z + NEARER * tangent), asymmetries(problem, z)
+    except NotFinite:
+        return False
+    return any(
+        nearer.get(name, 0.0) <= max(STAYS * apart, 2.0 * here.get(name, 0.0)) for name, apart in near.items()
+    )
 
 
 def repeats(problem: DiscretizedOrbit, z: np.ndarray, meets: float) -> bool:
