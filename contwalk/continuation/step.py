@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
+from contwalk.continuation.attempt import Attempt, Refusal, attempt
 from contwalk.continuation.back_at_parent import WentOver, back_at_parent
 from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.locating import Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
-from contwalk.continuation.newton import Correction, Explanation, correct, text_of
+from contwalk.continuation.newton import Correction, Explanation, text_of
 from contwalk.continuation.points_before_limits import COINCIDE, everything, everything_before
+from contwalk.continuation.prediction import Prediction, nearest_bound, towards_a_bound
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
@@ -38,6 +40,10 @@ class Parabola(TooLong):
     """The branch turns too much within a step from a branch point, as the parabola does that it is there."""
 
 
+class _Blurred(TooLong):
+    """A step from a branch point that is lost in the error of where it ends."""
+
+
 @dataclass(frozen=True)
 class Step:
     """An accepted step: the piece of branch, what is special on it, and the length of the next step."""
@@ -48,155 +54,140 @@ class Step:
     next_length: float
 
 
-@dataclass(frozen=True)
-class Prediction:
-    """A guess, the normal of the corrector's hyperplane through it, and how far it is along the tangent."""
+@dataclass
+class _Search:
+    """What longer attempts at a step have told."""
 
-    guess: np.ndarray
-    normal: np.ndarray
-    length: float
-    bounded: int | None = None
-
-    @property
-    def to_bound(self) -> bool:
-        """Whether it is at an end of the range of the parameter that is number `bounded` of z."""
-        return self.bounded is not None
+    # Where a field ends ahead: the reason, whatever stops later.
+    edge: tuple[str, Explanation] | None = None
+    # Steps from a branch point on which the branch is a parabola that turns too much; whether one is tried.
+    parabolas: list[float] = field(default_factory=list)
+    on_parabola: bool = False
+    # For the parent, beside which shorter steps know no more.
+    looked: bool = False
 
 
 def take_step(
     problem: Problem, state: ContinuationState, settings: Settings, observer: Observer
 ) -> Step | Outcome:
     """The longest step from here that converges, turns little, and on which the tests agree."""
-    length = min(state.step, settings.max_step)
-    edge: tuple[str, Explanation] | None = None  # where a field ends ahead: the reason, whatever stops later
-    # Steps from a branch point on which the branch is a parabola that turns too much; whether one is tried.
-    parabolas: list[float] = []
-    on_parabola = False
-    looked = False  # for the parent, beside which shorter steps know no more
+    length, search = min(state.step, settings.max_step), _Search()
     while True:
-        smallest = length <= settings.min_step
-        length = max(length, settings.min_step)
-        prediction = predict(state, length, settings)
-        correction = _corrected(problem, state, prediction, settings)
-        if prediction.to_bound and not correction.ok:
-            # The branch may turn before the end of the range: along its own tangent it is regular.
-            prediction = _along(state, length)
-            correction = _corrected(problem, state, prediction, settings)
-        reason, explanation = correction.reason, correction.explanation
-        # Newton's method may fail because it is asked for a solution beyond a jump.
-        passed = kinks_passed.between(problem, state, correction.z if correction.ok else prediction.guess)
-        jump = kinks_passed.jump(passed)
-        if jump is not None:
-            reason, explanation = "plugin_error", kinks_passed.refusal(problem, jump)
-        elif correction.ok:
-            try:
-                segment = _segment(state, prediction, correction, settings, smallest or on_parabola)
-                if parabolas and segment.b.error > BLURRED * length:
-                    length, on_parabola = parabolas.pop(), True
-                    continue
-                segment = kinks_passed.with_kinks(segment, passed)
-                outcome = segment.problem.diagnosis.ended(segment.a, segment.b)
-                if outcome and not (outcome.reason == "unbounded" and _towards_a_bound(segment.b, settings)):
-                    if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
-                        raise TooLong("The orbit shrinks to nothing within the step.")
-                    return outcome
-                found = _special(segment, settings, observer, smallest, state)
-                if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
-                    raise TooLong("The step ends at a limit, to within its errors.")
-                if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
-                    found += at_the_end(segment)
-                return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
-            except Parabola as error:
-                parabolas.append(length)
-                explanation = str(error)
-            except (TooLong, LostBranch) as error:
-                explanation = str(error)
-                blind = length < state.sample.error
-                if isinstance(error, WentOver) or (blind and not looked):
-                    looked = looked or blind
-                    reach = max(length, state.sample.error) if blind else length
-                    met = back_at_parent(correction.problem, state.sample, reach, settings, observer)
-                    if met is not None:
-                        segment, point = met
-                        return Step(segment, segment.b, [point], length)
-            except np.linalg.LinAlgError:
-                explanation = "The equations are singular there in more than one direction."
-            except (PluginError, NotFinite) as error:
-                reason, explanation = error.reason, error.sentence
-        ends = False
-        if reason == "not_finite" and correction.iterations and problem.diagnosis.obstacle(state.sample.z):
-            # It is the corrections that are too large, and not the field that ends ahead.
-            reason, explanation = (
-                "no_convergence",
-                "Newton's method leads to where the equations have no value.",
-            )
-        if reason in ("not_finite", "plugin_error") and jump is None:
-            edge = reason, explanation
-            ends = reason == "not_finite" and domain_edge.reached(problem, state.sample)
-        before_jump = jump is not None and kinks_passed.reach(jump, length) < EDGE
-        if ends or smallest or before_jump or (length < EDGE and edge is not None):
-            reason, explanation = edge or (reason, explanation)
-            left, which, bound = _nearest_bound(state.sample, settings)
-            if left <= settings.min_step:
-                return outcomes.bound_but_for(observer.line.names[-1 - which], bound, state.sample.z[which])
-            known = problem.diagnosis.obstacle(state.sample.z) or kinks_passed.sentence(problem, passed)
-            place = observer.line.free, state.sample.parameter
-            return outcomes.stuck(reason, text_of(explanation), length, *place, known)
-        # A solution beyond has jumped: where it does along the step, the guess tells.
-        ahead = (
-            None
-            if jump is None
-            else kinks_passed.jump(kinks_passed.between(problem, state, prediction.guess))
-        )
-        on_parabola = False
-        length = control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
+        attempted = attempt(problem, state, length, settings)
+        met = _met(attempted, search, state, settings, observer)
+        if not isinstance(met, Refusal):
+            return met
+        search.on_parabola = met.instead is not None
+        if met.instead is not None:
+            length = met.instead
+            continue
+        outcome = _given_up(problem, attempted, met, search, state, settings, observer)
+        if outcome is not None:
+            return outcome
+        length = _shorter(problem, state, attempted)
 
 
-def _corrected(
-    problem: Problem, state: ContinuationState, prediction: Prediction, settings: Settings
-) -> Correction:
-    given = prediction.guess, prediction.normal, state.sample.weights, settings.newton_iterations
-    return correct(problem, *given, beside=state.sample.z)
+def _met(
+    attempted: Attempt, search: _Search, state: ContinuationState, settings: Settings, observer: Observer
+) -> Step | Outcome | Refusal:
+    """The step that an attempt is, how the branch ends on it, or why it is none."""
+    correction, length = attempted.correction, attempted.length
+    if attempted.jump is not None:
+        return Refusal("plugin_error", kinks_passed.refusal(correction.problem, attempted.jump))
+    if not correction.ok:
+        return Refusal(correction.reason, correction.explanation)
+    try:
+        return _taken(attempted, search, state, settings, observer)
+    except _Blurred:
+        return Refusal(correction.reason, "", instead=search.parabolas.pop())
+    except Parabola as error:
+        search.parabolas.append(length)
+        return Refusal(correction.reason, str(error))
+    except (TooLong, LostBranch) as error:
+        blind = length < state.sample.error
+        if isinstance(error, WentOver) or (blind and not search.looked):
+            search.looked = search.looked or blind
+            reach = max(length, state.sample.error) if blind else length
+            back = back_at_parent(correction.problem, state.sample, reach, settings, observer)
+            if back is not None:
+                segment, point = back
+                return Step(segment, segment.b, [point], length)
+        return Refusal(correction.reason, str(error))
+    except np.linalg.LinAlgError:
+        return Refusal(correction.reason, "The equations are singular there in more than one direction.")
+    except (PluginError, NotFinite) as error:
+        return Refusal(error.reason, error.sentence)
 
 
-def _along(state: ContinuationState, length: float) -> Prediction:
-    """The point at `length` along the tangent."""
-    sample = state.sample
-    return Prediction(sample.z + length * sample.tangent, sample.tangent / sample.weights**2, length)
+def _taken(
+    attempted: Attempt, search: _Search, state: ContinuationState, settings: Settings, observer: Observer
+) -> Step | Outcome:
+    """The step that a corrected attempt is, with all that is special on it, or how the branch ends on it.
+
+    Raises
+    ------
+    TooLong, LostBranch
+        If it is not to be trusted.
+    """
+    prediction, smallest, length = attempted.prediction, attempted.smallest, attempted.length
+    segment = _segment(state, prediction, attempted.correction, settings, smallest or search.on_parabola)
+    if search.parabolas and segment.b.error > BLURRED * length:
+        raise _Blurred("Where the step ends is not known beside its length.")
+    segment = kinks_passed.with_kinks(segment, attempted.passed)
+    outcome = segment.problem.diagnosis.ended(segment.a, segment.b)
+    if outcome and not (outcome.reason == "unbounded" and towards_a_bound(segment.b, settings)):
+        if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
+            raise TooLong("The orbit shrinks to nothing within the step.")
+        return outcome
+    found = _special(segment, settings, observer, smallest, state)
+    if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
+        raise TooLong("The step ends at a limit, to within its errors.")
+    if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
+        found += at_the_end(segment)
+    return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
 
 
-def predict(state: ContinuationState, length: float, settings: Settings) -> Prediction:
-    """The point at `length` along the tangent; an end of the range that lies before it is met exactly."""
-    sample = state.sample
-    length = min(length, control.longest(sample, settings))
-    left, place, bound = _nearest_bound(sample, settings)
-    if left > 1.001 * length:  # a remainder of a thousandth of a step is not left over
-        return _along(state, length)
-    guess = sample.z + left * sample.tangent
-    guess[place] = bound
-    normal = np.zeros(len(guess))
-    normal[place] = 1.0 / sample.weights[place]
-    return Prediction(guess, normal, left, place)
+def _given_up(
+    problem: Problem,
+    attempted: Attempt,
+    refused: Refusal,
+    search: _Search,
+    state: ContinuationState,
+    settings: Settings,
+    observer: Observer,
+) -> Outcome | None:
+    """How the branch ends where no shorter attempt is to be made; None where one is."""
+    reason, explanation, jump = refused.reason, refused.explanation, attempted.jump
+    ends = False
+    iterated = attempted.correction.iterations
+    if reason == "not_finite" and iterated and problem.diagnosis.obstacle(state.sample.z):
+        # It is the corrections that are too large, and not the field that ends ahead.
+        reason, explanation = "no_convergence", "Newton's method leads to where the equations have no value."
+    if reason in ("not_finite", "plugin_error") and jump is None:
+        search.edge = reason, explanation
+        ends = reason == "not_finite" and domain_edge.reached(problem, state.sample)
+    before_jump = jump is not None and kinks_passed.reach(jump, attempted.length) < EDGE
+    before_edge = attempted.length < EDGE and search.edge is not None
+    if not (ends or attempted.smallest or before_jump or before_edge):
+        return None
+    reason, explanation = search.edge or (reason, explanation)
+    left, which, bound = nearest_bound(state.sample, settings)
+    if left <= settings.min_step:
+        return outcomes.bound_but_for(observer.line.names[-1 - which], bound, state.sample.z[which])
+    known = problem.diagnosis.obstacle(state.sample.z) or kinks_passed.sentence(problem, attempted.passed)
+    place = observer.line.free, state.sample.parameter
+    return outcomes.stuck(reason, text_of(explanation), attempted.length, *place, known)
 
 
-def _towards_a_bound(sample: Sample, settings: Settings) -> bool:
-    """Whether what a branch moves along most is a parameter, towards an end of its range: no running off."""
-    moved = np.abs(sample.tangent) / sample.weights
-    place = int(np.argmax(moved[:-1])) - len(moved)
-    ends = settings.bounds.get(place)
-    return ends is not None and bool(np.isfinite(ends[1] if sample.tangent[place] > 0.0 else ends[0]))
-
-
-def _nearest_bound(sample: Sample, settings: Settings) -> tuple[float, int, float]:
-    """How far along the tangent the first end of a range is, its parameter's place in z, and its value."""
-    nearest = (np.inf, -1, np.nan)
-    for place, ends in settings.bounds.items():
-        ahead = sample.tangent[place]
-        if ahead != 0.0:
-            bound = ends[1] if ahead > 0 else ends[0]
-            left = (bound - sample.z[place]) / ahead
-            nearest = min(nearest, (left, place, bound), key=lambda found: found[0])
-    return nearest
+def _shorter(problem: Problem, state: ContinuationState, attempted: Attempt) -> float:
+    """The next shorter length to try."""
+    if attempted.jump is None:
+        return control.shrunk(attempted.length)
+    # A solution beyond has jumped: where it does along the step, the guess tells.
+    ahead = kinks_passed.jump(kinks_passed.between(problem, state, attempted.prediction.guess))
+    return (
+        control.shrunk(attempted.length) if ahead is None else control.beside(attempted.length, ahead.share)
+    )
 
 
 def _segment(

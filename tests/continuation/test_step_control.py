@@ -13,9 +13,10 @@ from contwalk.branch import Outcome
 from contwalk.continuation import control
 from contwalk.continuation.closing import place_of_closure
 from contwalk.continuation.marks import Observer
+from contwalk.continuation.prediction import predict
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
-from contwalk.continuation.step import predict, take_step
+from contwalk.continuation.step import take_step
 
 RANGE = Settings(range=(-2.0, 2.0), step=0.1, max_step=0.5, max_share=1.0)
 OBSERVER = Observer(LINE, ())
