@@ -69,6 +69,7 @@ def walk(
     try:
         while True:
             closed: float | None = None
+            slid = False
             before = _effort(problem)
             if outcome := _finished(problem, state, number, points, settings, observer):
                 back = _back(problem, state, settings, sign, outcome)
@@ -95,11 +96,11 @@ def walk(
                         return
                 slid = _slid(lost, step)
                 state = _arrived(problem, step, state, sign, settings, before, origin.sample)
-                if slid:
-                    outcome = outcomes.slid_onto_parent(observer.line.free, state.sample.parameter)
-                    break
             problem, state, point = yield from _taken_up(problem, state, settings)
             number += 1
+            if slid:
+                outcome = outcomes.slid_onto_parent(observer.line.free, state.sample.parameter)
+                break
             if closed is not None:
                 outcome = outcomes.closed()
                 break
@@ -155,8 +156,13 @@ def _back(
 
 
 def _slid(lost: SymmetriesLost, step: Step) -> bool:
-    """Whether a step lies along the parent of the walk's own branch, onto which earlier ones have slid."""
+    """Whether a step lies along the parent of the walk's own branch, onto which earlier ones have slid.
+
+    Equilibria are known to rounding, and may come as near to a symmetric one as a parameter lets them.
+    """
     problem, a, b = step.segment.problem, step.segment.a, step.there
+    if problem.meshed is None:
+        return False
     apart = problem.equivalence.asymmetries
     return lost.regained(lambda: apart(a.z), lambda: apart(b.z))
 

@@ -20,8 +20,9 @@ APPARENT, GAINED = 3e-5, 1e-2
 BROKEN, KEPT = 1e-9, 0.1
 # No asymmetry is larger, in the same units.
 LARGEST = 30.0
-# Both ends of a step are symmetric to this: the way passes a parent, and does not lie along it.
-ALONG = 1e-6
+# What is this asymmetric is so for certain; where both ends of a step are not, to the second, it lies along a
+# parent, and does not pass it.
+LOST, ALONG = 1e-3, 1e-6
 
 
 @dataclass
@@ -44,7 +45,7 @@ class SymmetriesLost:
         try:
             there = after()
             again = {name for name in self.names if there.get(name, 1.0) < ALONG}
-            self.names |= {name for name, apart in there.items() if apart > APPARENT}
+            self.names |= {name for name, apart in there.items() if apart > LOST}
             return bool(again) and any(apart < ALONG for name, apart in before().items() if name in again)
         except NotFinite:
             return False
