@@ -65,14 +65,17 @@ def bifurcations(segment: Segment) -> list[Found]:
 
 
 def _check_apart(segment: Segment, found: list[Found]) -> None:
-    """Refuse one point that two tests have found: what one of them sees lies elsewhere, and is lost.
+    """Refuse one fold that two tests have found: what one of them sees lies elsewhere, and is lost.
+
+    Of other kinds two may lie at one place, as where two pairs of eigenvalues pass at once.
 
     Raises
     ------
     Disagreement
     """
     for one, other in pairwise(found):
-        if one.type.label != other.type.label or (one.counted and other.counted):
+        folds = one.type.label == other.type.label and Test.TURN in (one.type.test, other.type.test)
+        if not folds or (one.counted and other.counted):
             continue
         apart = float(np.linalg.norm((one.located.z - other.located.z) / segment.weights))
         if apart < DISTINCT * segment.length:

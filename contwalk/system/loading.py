@@ -139,7 +139,7 @@ def _from_file(path: Path, reference: str) -> System | Family:
     if spec is None or spec.loader is None:
         raise SystemDefinitionError(f"{path} is not a Python file.", "A plugin's name ends in .py.")
     if isinstance(spec.loader, SourceFileLoader):
-        spec.loader = _AsItStands(name, str(path))
+        spec.loader = _AsItStands(name, spec.loader.path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
