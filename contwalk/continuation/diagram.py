@@ -202,10 +202,6 @@ class Diagram:
         return outcome.reason != "interrupted" and not outdated(stored, self._plan.settings)
 
 
-# How near the last orbit of a family is to the Hopf point that it ends at, in parameter, period and state.
-NEAR_PARAMETER, NEAR_PERIOD, NEAR_STATE = 0.05, 0.1, 0.5
-
-
 # Parameter and period of a child's end agree to this, relatively, with those of the point of its parent's at
 # which it comes back: two points of a branch that are one, however their orbits' first states are chosen.
 COMES_BACK = 1e-7
@@ -220,6 +216,10 @@ def _comes_back_at(branch: Branch, state: ContinuationState) -> bool:
             if np.allclose(ends, (sample.parameter, sample.period), rtol=COMES_BACK, atol=0.0):
                 return True
     return False
+
+
+# How near the last orbit of a family is to the Hopf point that it ends at, in parameter, period and state.
+NEAR_PARAMETER, NEAR_PERIOD, NEAR_STATE = 0.05, 0.1, 0.5
 
 
 def _ends_at_point(branch: Branch, state: ContinuationState) -> bool:

@@ -147,13 +147,9 @@ def _of_one_leg(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
         if itinerary.image or symmetry.role != "spatial" or order is None or order < 2:
             continue
         for power in range(1, order):
-            image = partial(_imaged, symmetry, p, power)
+            image = partial(imaged, symmetry, parameters=p, power=power)
             found[f"{symmetry.name} {power}"] = states.apart(1.0 / order, image)
     return found
-
-
-def _imaged(symmetry: Symmetry, p: ParameterValues, power: int, y: np.ndarray) -> np.ndarray:
-    return imaged(symmetry, y, p, power)
 
 
 @dataclass
