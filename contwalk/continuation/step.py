@@ -215,8 +215,11 @@ def _segment(
         raise TooLong("The step passes the end of the range.")
     if problem.equivalence.gains_symmetry(a.z, z):
         raise WentOver
-    if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(prediction.guess, z):
-        raise TooLong("The branch is not told from the one that it leaves: what is found is that one's.")
+    if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(a.z, prediction.guess, z):
+        raise TooLong(
+            "The branch is not told from the one that it leaves: what is found is that one's. "
+            "A finer `accuracy` may tell them apart."
+        )
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
     suddenly = problem.meshed is not None and there.error > max(1.0, SUDDENLY * a.error)
     if suddenly and a.orientation != 0.0:

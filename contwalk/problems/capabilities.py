@@ -7,6 +7,7 @@ itself.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Protocol, Self
 
 import numpy as np
@@ -42,12 +43,13 @@ class OwnMeasures:
         """Whether the second of two neighbours, shape (N + 1,), has a symmetry that the first has not."""
         return gained_symmetry(lambda: self.asymmetries(a), lambda: self.asymmetries(b))
 
-    def keeps_symmetry(self, guess: np.ndarray, z: np.ndarray) -> bool:
-        """Whether a solution beside a branch point has a symmetry that the guess of it has not.
+    def keeps_symmetry(self, point: np.ndarray, guess: np.ndarray, z: np.ndarray) -> bool:
+        """Whether a solution beside a branch point has a symmetry that the guess of it has not, or neither is
+        told from the point.
 
-        Both have the shape (N + 1,).
+        All have the shape (N + 1,).
         """
-        return kept_symmetry(lambda: self.asymmetries(guess), lambda: self.asymmetries(z))
+        return kept_symmetry(*(partial(self.asymmetries, each) for each in (point, guess, z)))
 
 
 class OwnPlace:
@@ -159,10 +161,11 @@ class Equivalence(Protocol):
         """
         ...
 
-    def keeps_symmetry(self, guess: np.ndarray, z: np.ndarray) -> bool:
-        """Whether a solution beside a branch point has a symmetry that the guess of it has not.
+    def keeps_symmetry(self, point: np.ndarray, guess: np.ndarray, z: np.ndarray) -> bool:
+        """Whether a solution beside a branch point has a symmetry that the guess of it has not, or neither is
+        told from the point.
 
-        Then the first step of a branch has not left its parent. Both have the shape (N + 1,).
+        Then the first step of a branch has not left its parent. All have the shape (N + 1,).
         """
         ...
 

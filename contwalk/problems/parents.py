@@ -16,8 +16,10 @@ from contwalk.errors import NotFinite
 # What is less asymmetric than the first, in units of the solution's own range, may be so by errors. That less
 # than the second part of an asymmetry is left after a step is no chance.
 APPARENT, GAINED = 3e-5, 1e-2
-# The same beside a branch point, along a way that is known to break the symmetry.
-BROKEN, KEPT = 1e-9, 0.1
+# The same beside a branch point, along a way that is known to break the symmetry: of what it breaks, what is
+# found may keep the second part. A way breaks one for certain where it does so by several times what the
+# branch point misses to have it, and what is found has none by many times that.
+BROKEN, KEPT, BEYOND, FAR = 1e-9, 0.5, 3.0, 30.0
 # No asymmetry is larger, in the same units.
 LARGEST = 30.0
 # What is this asymmetric is so for certain; where both ends of a step are not, to the second, it lies along a
@@ -68,13 +70,25 @@ def gained_symmetry(
     return any(apart > APPARENT and near.get(name, apart) < GAINED * apart for name, apart in first.items())
 
 
-def kept_symmetry(guess: Callable[[], Mapping[str, float]], after: Callable[[], Mapping[str, float]]) -> bool:
-    """Whether a solution beside a branch point has a symmetry that the way there breaks: it is the parent's.
+def kept_symmetry(
+    point: Callable[[], Mapping[str, float]],
+    guess: Callable[[], Mapping[str, float]],
+    after: Callable[[], Mapping[str, float]],
+) -> bool:
+    """Whether a solution beside a branch point is the parent's, or is not told from that: it has a symmetry
+    that the way there breaks, or the way is as short as what the point itself is known to.
 
     Each gives how far it is from having a symmetry, as for `gained_symmetry`.
     """
     try:
         expected, found = guess(), after()
+        broken = {name: apart for name, apart in expected.items() if apart > BROKEN}
+        if any(found.get(name, apart) < KEPT * apart for name, apart in broken.items()):
+            return True
+        # What the point itself is far from is no symmetry that is lost at it.
+        known = {name: apart for name, apart in point().items() if apart < LOST} if broken else {}
+        if any(found.get(name, 0.0) >= FAR * max(apart, BROKEN) for name, apart in known.items()):
+            return False
+        return any(apart < BEYOND * known.get(name, 0.0) for name, apart in broken.items())
     except NotFinite:
         return False
-    return any(apart > BROKEN and found.get(name, apart) < KEPT * apart for name, apart in expected.items())

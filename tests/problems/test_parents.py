@@ -35,11 +35,17 @@ def test_another_symmetry_does_not_hide_the_one_that_is_gained():
 
 
 def test_beside_a_branch_point_the_way_that_breaks_a_symmetry_tells_how_much():
-    def kept(guess, after):
-        return kept_symmetry(lambda: guess, lambda: after)
+    def kept(guess, after, point=1e-10):
+        return kept_symmetry(lambda: {"itself": point}, lambda: guess, lambda: after)
 
     assert kept({"itself": 1e-6}, {"itself": 1e-9})
     assert not kept({"itself": 1e-6}, {"itself": 8e-7})
+    # On walking steps a solution of the parent's may be this asymmetric (a gear that rattles).
+    assert kept({"itself": 1e-4}, {"itself": 1e-5})
+    # A way as short as what the branch point is known to tells nothing, but where it has led far away.
+    assert kept({"itself": 9.2e-7}, {"itself": 5e-6}, point=9.2e-7)
+    assert not kept({"itself": 2.4e-9}, {"itself": 2.5e-6}, point=2.3e-9)
+    assert not kept({"itself": 2.0}, {"itself": 2.0}, point=2.0)  # none has it
     # A way that keeps it, and one that is known to rounding only.
     assert not kept({"itself": 1e-12}, {"itself": 0.0})
     # One symmetry may be broken, and another stay.
@@ -51,7 +57,7 @@ def test_a_branch_does_not_begin_on_the_one_that_it_leaves(monkeypatch):
     parent = cw.continue_branch(problem, [0.0, 1.0], (-0.5, 1.5))
     assert cw.switch_branch(problem, parent, "BP1", (-0.5, 1.5)).outcome.reason == "closed"
     # What is found keeps the symmetry that the way there breaks.
-    monkeypatch.setattr(cw.Equilibrium, "keeps_symmetry", lambda self, guess, z: abs(guess[0]) > 0.0)
+    monkeypatch.setattr(cw.Equilibrium, "keeps_symmetry", lambda self, point, guess, z: abs(guess[0]) > 0.0)
     lost = cw.switch_branch(problem, parent, "BP1", (-0.5, 1.5))
     assert lost.outcome.status == "failed"
     assert "what is found is that one's" in lost.outcome.message

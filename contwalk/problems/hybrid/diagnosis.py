@@ -8,6 +8,7 @@ import numpy as np
 
 from contwalk.problems.hybrid import corners, end_maps, jumping_limits
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
+from contwalk.problems.hybrid.unresolved import unresolved
 from contwalk.problems.hybrid.vanishing import in_no_time, onto_an_event
 from contwalk.problems.kink import Met
 from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
@@ -17,6 +18,7 @@ class HybridDiagnosis(OrbitDiagnosis):
     """What is known of such places."""
 
     shrinking = (*OrbitDiagnosis.shrinking, in_no_time, onto_an_event)
+    lost = (unresolved,)
 
     def __init__(self, orbit: LimitedOrbit) -> None:
         super().__init__(orbit)

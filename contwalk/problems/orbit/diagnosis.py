@@ -28,13 +28,15 @@ class OrbitDiagnosis:
 
     # Each says when it applies; how a family shrinks to nothing depends on what it meets on the way.
     shrinking: ClassVar[tuple[Reason, ...]] = (at_a_point,)
+    # What else ends a family, where no law tells its limit.
+    lost: ClassVar[tuple[Reason, ...]] = ()
 
     def __init__(self, orbit: DiscretizedOrbit) -> None:
         self._orbit = orbit
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does; limits are not asked here."""
-        reasons = (unborn, held, not_conserved, *self.shrinking, homoclinic, unbounded)
+        reasons = (unborn, held, not_conserved, *self.shrinking, homoclinic, unbounded, *self.lost)
         found = (reason(self._orbit, a, b) for reason in reasons)
         return next((outcome for outcome in found if outcome is not None), None)
 
