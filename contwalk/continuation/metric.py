@@ -34,7 +34,9 @@ def updated(
     z : ndarray, shape (N + 1,)
         The new point.
     """
-    known = np.where(np.isfinite(magnitudes), magnitudes, UNKNOWN)
+    # What nothing tells grows too, as a state that stands still over an orbit and is sampled by a clock.
+    untold = UNKNOWN if weights is None else np.maximum(UNKNOWN, sizes)
+    known = np.where(np.isfinite(magnitudes), magnitudes, untold)
     result = known if weights is None else np.where(weights == UNKNOWN, known, np.maximum(weights, sizes))
     for place, ends in settings.bounds.items():
         result[place] = parameter_weight(magnitudes[place], ends, float(z[place]))

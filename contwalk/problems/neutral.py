@@ -19,6 +19,8 @@ NEUTRAL = 1e-12
 VANISHED = 1e-9
 # Name of a direction that nobody declared, found at a start.
 UNDECLARED = "undeclared"
+# That of a weighted sum of states which is conserved, and which nobody declared.
+SUM = "conserved_sum"
 # Shifts until a state is nearest to another one, the part of the magnitudes that ends them, and the steps of
 # each where generators turn on the way.
 MOST_SHIFTS, NO_SHIFT, PARTS = 8, 1e-10, 32
@@ -152,14 +154,16 @@ def active(
     return chosen
 
 
-def constant(direction: np.ndarray) -> Neutral:
-    """An undeclared neutral direction, the same at every state."""
+def constant(direction: np.ndarray, name: str = UNDECLARED) -> Neutral:
+    """An undeclared neutral direction, the same at every state; or the weights of a conserved sum, along
+    which a drift unfolds what is singular as well, and which tell where it is held.
+    """
 
     def generator(t: float, x: np.ndarray, p: object, v: np.ndarray) -> None:
         for i, entry in enumerate(direction.tolist()):
             v[i] = entry
 
-    return Neutral(UNDECLARED, generator)
+    return Neutral(name, generator)
 
 
 def kept(
@@ -169,7 +173,7 @@ def kept(
 ) -> dict[str, Any]:
     """What is stored with a branch so that its equations can be set up again, as plain JSON values."""
     undeclared = [
-        generator_at(pin, np.zeros(states), line.parameters) for pin in pins if pin.name == UNDECLARED
+        generator_at(pin, np.zeros(states), line.parameters) for pin in pins if pin.name in (UNDECLARED, SUM)
     ]
     return {
         "pins": [pin.name for pin in pins],

@@ -15,7 +15,8 @@ import numpy as np
 
 from contwalk.branch import BranchInfo
 from contwalk.errors import DatabaseError
-from contwalk.problems.neutral import UNDECLARED, constant
+from contwalk.problems.held_quantities import held_quantity
+from contwalk.problems.neutral import SUM, UNDECLARED, constant
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import nearest
@@ -97,8 +98,11 @@ def pins_of(system: System, info: BranchInfo) -> list[Neutral]:
     undeclared = iter(info.settings.get("undeclared", ()))
     pins = []
     for name in info.settings.get("pins", ()):
-        if name == UNDECLARED:
-            pins.append(constant(np.array(next(undeclared))))
+        if name in (UNDECLARED, SUM):
+            pins.append(constant(np.array(next(undeclared)), name))
+            continue
+        if name in system.conserved_names:
+            pins.append(held_quantity(system, name))
             continue
         pins.append(declared("neutral direction", name, known))
     return pins

@@ -14,13 +14,14 @@ from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
 from contwalk.errors import NotFinite, PluginError
-from contwalk.problems.equilibrium.equilibrium import Equilibrium, solution_at
+from contwalk.problems.equilibrium.equilibrium import Equilibrium, pins_at, solution_at
 from contwalk.problems.equilibrium.held_by_force import forced
 from contwalk.problems.equilibrium.second_direction import second_direction
-from contwalk.problems.neutral import active, constant
+from contwalk.problems.neutral import constant
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.problem import Sample
+from contwalk.studies.holding_sums import holding_sums
 from contwalk.system import System
 
 # How far from a start its branch is looked at, in arclength.
@@ -54,27 +55,25 @@ def opened(
     discretization : Discretization, optional
         Of the orbits that are born on the branch.
     """
-    if free in system.conserved_names:
-        return outcomes.refused(
-            f"An equilibrium has one value of '{free}', and is not continued along it.",
-            "To follow orbits along it, start at one, with start: {simulate: {state: {...}}}, or continue "
-            "the equilibrium along another parameter.",
-        )
     try:
         problem, z = solution_at(system, parameters, free, state, path, at, discretization)
+        if free in system.conserved_names and free not in [pin.name for pin in problem.pins]:
+            return outcomes.refused(
+                f"An equilibrium has one value of '{free}', and is not continued along it.",
+                "To follow orbits along it, start at one, with start: {simulate: {state: {...}}}, or "
+                "continue the equilibrium along another parameter.",
+            )
         begun = begin(problem, z, settings)
         if not isinstance(begun, ContinuationState):
-            return outcomes.no_start(begun.reason, begun.sentence)
+            held = _with_sums_held(problem, z, settings)
+            return held or outcomes.no_start(begun.reason, begun.sentence)
         if problem.pins and not _stays_neutral(problem, begun):
             # Neutral at the start only: along the branch it is not, and must not be held.
             problem = problem.with_pins(())
             begun = begin(problem, np.append(begun.sample.z[: problem.states], begun.sample.z[-1]), settings)
             if not isinstance(begun, ContinuationState):
                 return outcomes.no_start(begun.reason, begun.sentence)
-        direction = second_direction(problem, begun.sample.z)
-        if direction is None:
-            return Opening(problem, _off_special(problem, begun, settings))
-        return _degenerate(problem, begun, direction, settings)
+        return _alone(problem, begun, settings)
     except (PluginError, NotFinite) as error:
         return outcomes.no_start(error.reason, error.sentence)
     except np.linalg.LinAlgError as error:
@@ -88,9 +87,7 @@ def _stays_neutral(problem: Equilibrium, state: ContinuationState) -> bool:
     for moved in _around(problem, state):
         n = problem.states
         matrix = problem.jacobian(moved.z)[:n, :n]
-        return len(active(problem.system, moved.z[:n], problem.values_of(moved.z), matrix)) >= len(
-            problem.pins
-        )
+        return len(pins_at(problem, moved.z, matrix)) >= len(problem.pins)
     return True
 
 
@@ -151,6 +148,9 @@ def _degenerate(
         if beside is not None:
             return Opening(problem, beside)
     z, n = state.sample.z, problem.states
+    summed = _with_sums_held(problem, z, settings, generator[:n])
+    if summed is not None:
+        return summed
     held = problem.with_pins((*problem.pins, constant(generator[:n])), z[:n])
     there = begin(held, np.concatenate([z[: problem.size], [0.0], z[-1:]]), settings)
     if isinstance(there, ContinuationState) and _is_family(held, there):
@@ -161,6 +161,28 @@ def _degenerate(
         "equilibria either. More than two branches may meet there, or the solution is a multiple root, as "
         "x = a of (a - x)^3.",
     )
+
+
+def _alone(problem: Equilibrium, state: ContinuationState, settings: Settings) -> Opening | Outcome:
+    """The branch of a first solution that is alone at its parameter, or is made so."""
+    direction = second_direction(problem, state.sample.z)
+    if direction is None:
+        return Opening(problem, _off_special(problem, state, settings))
+    return _degenerate(problem, state, direction, settings)
+
+
+def _with_sums_held(
+    problem: Equilibrium, z: np.ndarray, settings: Settings, neutral: np.ndarray | None = None
+) -> Opening | Outcome | None:
+    """As `holding_sums`: the branch, or why there is none even so."""
+    found = holding_sums(problem, z, settings, neutral)
+    if found is None:
+        return None
+    held, state, report = found
+    opening = _alone(held, state, settings)
+    if isinstance(opening, Outcome):
+        return opening
+    return replace(opening, message=f"{report} {opening.message}".rstrip())
 
 
 def _beside(

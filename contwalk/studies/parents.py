@@ -68,6 +68,6 @@ def _least_smooth(problem: PeriodicOrbit, z: np.ndarray) -> tuple[PeriodicOrbit,
     found, times = None, repetitions(problem, z)
     if times > 1:
         first, part = problem.first_state(z), problem.duration(z) / times
-        given = problem.discretization, problem.subharmonic // times, problem.pins
+        given = problem.discretization, max(problem.subharmonic // times, 1), problem.pins
         found = problem, z = orbit_at(problem.system, problem.line, float(z[-1]), first, part, *given)
     return symmetric(problem, z, problem.weighted(problem.mesh.variation)) or found

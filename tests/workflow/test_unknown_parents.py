@@ -216,3 +216,34 @@ def mathieu_exponent() -> float:
         for unit in ([1.0, 0.0], [0.0, 1.0])
     ]
     return math.log(max(abs(np.linalg.eigvals(np.array(columns))))) / (2.0 * math.pi)
+
+
+ROESSLER = """
+from contwalk.system import Mode, Parameter, State, System
+
+
+def field(t, x, p, dx):
+    dx[0] = -x[1] - x[2]
+    dx[1] = x[0] + 0.2 * x[1]
+    dx[2] = 0.2 + x[2] * (x[0] - p.w)
+
+
+SYSTEM = System(
+    "roessler",
+    states=(State("x"), State("v"), State("z")),
+    parameters=(Parameter("w", 3.2),),
+    modes=(Mode("only", field),),
+)
+"""
+
+
+def test_what_an_unforced_orbit_comes_from_is_one_branch_with_what_doubles(tmp_path):
+    """Of an orbit without a force one closure counts as one period, however often it has been doubled."""
+    run = RUN.format(name="roessler", x=-4.0, v=0.0, low=2.8, high=3.3, way="backward", depth=1)
+    _, branches, _ = studied(tmp_path, "roessler", ROESSLER, run.replace("v: 0.0", "v: 0.0, z: 0.03"))
+    first, once = branches
+    assert [b.info.subharmonic for b in branches] == [1, 1]
+    (meets,) = (p for p in first.special_points if p.label == "BP")
+    (doubling,) = (p for p in once.special_points if p.label == "PD")
+    assert value(doubling) == pytest.approx(value(meets), abs=doubling.error + meets.error)
+    assert 2.0 * doubling.period == pytest.approx(meets.period, rel=1e-8)  # as points are located

@@ -26,6 +26,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.memory import memory_of, remembered
+from contwalk.problems.held_quantities import HeldQuantity
 from contwalk.problems.tracing import parameter_symbols, refuse_time, state_symbols, written
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -66,7 +67,9 @@ class Equations:
         self._moving = frozenset(moving)
         self._pins = tuple(pins)
         self._field = rebound(system.modes[0].field)
-        self._generators = [rebound(pin.generator) for pin in pins]
+        self._generators = [
+            pin.generator if isinstance(pin, HeldQuantity) else rebound(pin.generator) for pin in pins
+        ]
         self._symmetries: dict[Callable[..., None], Kernel] = {}
         self._along_several: dict[int, Kernel] = {}
 
@@ -84,8 +87,13 @@ class Equations:
         pinned: list[Any] = []
         offset = 0  # position in the reference values `r`
         for j, pin in enumerate(self._pins):
-            v = written(self._generators[j], pin.name, 0.0, x, p)
             drift = tracer.symbol("u", n + j)
+            if isinstance(pin, HeldQuantity):
+                added, apart = pin.held(tracer, self.system.modes[0].name, x, p, drift)
+                result = [r + a for r, a in zip(result, added, strict=True)]
+                pinned.append(apart)
+                continue
+            v = written(self._generators[j], pin.name, 0.0, x, p)
             result = [r + drift * v[i] for i, r in enumerate(result)]
             if pin.pin is None:
                 # held: motion along the generator of the start, g(x0) . (x - x0) = 0
@@ -114,6 +122,8 @@ class Equations:
         _refuse_absent(self.system, mode.name)
         refuse_time(self.system, mode.name, mode.field, f"field of mode '{mode.name}'")
         for pin in self._pins:
+            if isinstance(pin, HeldQuantity):  # which the plugin's check refuses to depend on time
+                continue
             refuse_time(self.system, mode.name, pin.generator, f"neutral direction '{pin.name}'")
         program = trace(self._residual)
         return program, KeptKernels(program, __name__)

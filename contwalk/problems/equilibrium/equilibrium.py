@@ -20,6 +20,7 @@ from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquat
 from contwalk.problems.equilibrium.points.catalogue import POINT_TYPES
 from contwalk.problems.equilibrium.points.hopf import hopf
 from contwalk.problems.equilibrium.sampling import sampled
+from contwalk.problems.held_quantities import sloping
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.passed_over import passed_over
@@ -172,6 +173,15 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
         return mirrors.mirror_of(self, sample)
 
 
+def pins_at(problem: Equilibrium, z: np.ndarray, matrix: np.ndarray) -> list[Neutral]:
+    """Declared directions that are neutral at a solution, and conserved quantities that slope there.
+
+    z has the shape (N + 1,), the matrix df/dx (n, n).
+    """
+    system, x, values = problem.system, z[: problem.states], problem.values_of(z)
+    return [*neutrals.active(system, x, values, matrix), *sloping(system, x, values, matrix, problem.free)]
+
+
 def solution_at(
     system: System,
     parameters: Mapping[str, float],
@@ -190,6 +200,11 @@ def solution_at(
     NotFinite
         If the field is not finite at the start.
     """
+    if system.conserved:
+        from contwalk.problems.conserving import with_own_values  # compiled functions
+
+        x = np.asarray(state, dtype=float)
+        parameters = with_own_values(system, parameters, x, system.modes[0].name)
     problem = Equilibrium(system, parameters, free, path, discretization=discretization)
     z = np.append(np.asarray(state, dtype=float), problem.line.place(at))
     matrix = problem.jacobian(z)[:, : problem.states]
@@ -198,7 +213,7 @@ def solution_at(
             f"The vector field is not finite at the start: {problem.diagnosis.explain(z)}.",
             "Start elsewhere, or mend the plugin.",
         )
-    pins = neutrals.active(system, z[:-1], problem.values_of(z), matrix)
+    pins = pins_at(problem, z, matrix)
     if not pins:
         return problem, z
     pinned = problem.with_pins(pins, z[:-1])

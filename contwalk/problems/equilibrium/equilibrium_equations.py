@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.errors import SystemDefinitionError, all_measured, called
+from contwalk.errors import PluginError, SystemDefinitionError, all_measured, called, measured
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.switching import Switching, choices_of
 from contwalk.numerics.linear import Factored
@@ -21,10 +21,10 @@ from contwalk.numerics.spectrum import EPSILON
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.equilibrium.equations import equations_of
+from contwalk.problems.held_quantities import HeldQuantity
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.problem import Linearization, Problem
-from contwalk.python_functions import plain
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -90,6 +90,8 @@ class EquilibriumEquations(Problem):
         for pin in self.pins:
             if self.reference is None:
                 raise ValueError("pinned directions need a reference state")
+            if isinstance(pin, HeldQuantity):
+                continue
             if pin.pin is None:
                 g = neutrals.generator_at(pin, self.reference, self.parameters)
                 values += [*self.reference.tolist(), *(g / np.linalg.norm(g)).tolist()]
@@ -106,8 +108,12 @@ class EquilibriumEquations(Problem):
         if self.second is not None:
             values[self.second] = float(z[-2])
         for quantity in self.system.conserved:
-            function = plain(quantity.of(self.system.modes[0].name))
-            values[quantity.name] = float(function(0.0, z[: self.states], ParameterValues(**values)))
+            function, p = quantity.of(self.system.modes[0].name), ParameterValues(**values)
+            what = f"conserved quantity '{quantity.name}'"
+            try:
+                values[quantity.name] = measured(what, function, 0.0, z[: self.states], p)
+            except PluginError:  # as of a logarithm where nothing is left: the equations do not need it
+                values[quantity.name] = float("nan")
         return values
 
     def inputs(self, z: np.ndarray) -> tuple[list[float], ...]:

@@ -47,17 +47,19 @@ def sizes_since(orbit: OrbitData, sample: Sample, begun: Sample) -> np.ndarray:
     since the beginning. Where these ways of all states are longer than what any moves over an orbit, as of
     small cycles, they are shortened alike, so that one state at least weighs as over its orbit: else
     arclength would not tell what becomes of the cycles. A force that is weak makes small ripples: what
-    becomes of those is how far they have moved.
+    becomes of those is how far they have moved; nor need states move that a clock samples.
     """
     assert sample.sizes is not None
     if sample.extent is None or begun.extent is None:
         return sample.sizes
     half, moved = _moves(sample.extent, begun.extent)
     tells = half > STANDS * np.abs(sample.extent).max(axis=0)
-    if not np.any(tells):
-        return sample.sizes
-    with np.errstate(divide="ignore"):
-        share = min(np.inf if orbit.forced else float((half[tells] / moved[tells]).max()), OF_THE_WAY)
+    share = OF_THE_WAY
+    if not orbit.forced:
+        if not np.any(tells):
+            return sample.sizes
+        with np.errstate(divide="ignore"):
+            share = min(float((half[tells] / moved[tells]).max()), OF_THE_WAY)
     declared = np.array([state.scale is not None for state in orbit.system.states])
     along, result = orbit.weighted(np.where(declared, 0.0, share * moved)), sample.sizes.copy()
     for place, _ in orbit.places:

@@ -9,6 +9,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
+from contwalk.problems.held_quantities import HeldQuantity
 from contwalk.problems.neutral import generator_at
 from contwalk.problems.orbit import equations
 from contwalk.problems.orbit.closure import imaged, order_of
@@ -29,12 +30,14 @@ def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequenc
     q = _turned(sizes.right, magnitudes)
     known = equilibrium.values_of(z)
     own = {name: known[name] for name in equilibrium.system.conserved_names}
+    # Orbits hold what is conserved by a term of their own, without a drift.
+    pins = [pin for pin in equilibrium.pins if not isinstance(pin, HeldQuantity)]
     orbit = PeriodicOrbit(
         equilibrium.system,
         equilibrium.parameters | own,
         equilibrium.free,
         equilibrium.line.ends,
-        pins=equilibrium.pins,
+        pins=pins,
         reference=equilibrium.reference,
         discretization=equilibrium.discretization,
     )
@@ -43,7 +46,7 @@ def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequenc
     if closing is not None:
         orbit = orbit.closing(np.zeros(n), *closing)
         period /= closing[2]
-    scalars = np.concatenate([[period], np.zeros(len(equilibrium.pins)), z[-1:]])
+    scalars = np.concatenate([[period], np.zeros(len(pins)), z[-1:]])
     section = section_at(x, (1j * omega * q).real, magnitudes)
 
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
