@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.continuation.kinds import kind_of_test
+from contwalk.continuation.kinds import crossed, kind_of_test
 from contwalk.continuation.locating import Disagreement, Found, first_accepted
 from contwalk.continuation.segment import Segment
 from contwalk.continuation.turns import FLAT, NEARLY_FLAT
@@ -27,6 +27,7 @@ def flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[f
     share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
     kind = kind_of_test(segment.problem, Test.TURN)
     if share > FLAT:
+        _refuse_jump(segment, ends, crossings[0][1])
         likely = kind if share < NEARLY_FLAT else kind_of_test(segment.problem, Test.ORIENTATION)
         raise Disagreement(
             likely, "A real eigenvalue passes zero where there is no fold and no branch point."
@@ -44,6 +45,25 @@ def flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[f
     note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."
     return Found(
         theta, kind, Located(sample.z, width, {"note": note}, refined=False), sample, kind="unlocated"
+    )
+
+
+def _refuse_jump(segment: Segment, ends: list[Sample], which: int) -> None:
+    """Refuse an eigenvalue that is critical on neither side, as where a field or a reset bends.
+
+    Where its unstable side is no real eigenvalue's, the point is of the kind of that side.
+
+    Raises
+    ------
+    Disagreement
+    """
+    kind = crossed(segment.problem, max(ends, key=lambda end: float(end.measures[which])), which)
+    if kind is None:
+        return
+    beside = [complex(end.eigenvalues[which]) for end in ends]
+    values = " and ".join(f"{value if value.imag else value.real:.4g}" for value in beside)
+    raise Disagreement(
+        kind, f"An eigenvalue jumps over what is critical: it is {values} beside it, as where equations bend."
     )
 
 

@@ -90,7 +90,8 @@ def _trend(times: np.ndarray, values: np.ndarray) -> float:
     J. A. Yorke, Nonlinearity 30 (2017) 4111).
     """
     share = (times[1:-1] - times[0]) / (times[-1] - times[0])
-    weights = np.exp(-1.0 / (share * (1.0 - share)))
+    with np.errstate(divide="ignore"):  # at the ends nothing weighs
+        weights = np.exp(-1.0 / (share * (1.0 - share)))
     t = times[1:-1] - np.average(times[1:-1], weights=weights)
     return float((weights * t) @ values[1:-1] / ((weights * t) @ t))
 
