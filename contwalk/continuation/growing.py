@@ -57,7 +57,7 @@ def leading(
     """The points of a branch at which others leave that a plan follows, each with its kind."""
     for point in special_points:
         kind = kind_of(problem, point)
-        if kind is None or not _followed(plan, kind) or point.status != "located":
+        if kind is None or not _followed(plan, kind, point) or point.status != "located":
             continue
         if start.parent is not None and abs(point.s) < 1e-9:
             continue  # the point that this branch itself was born at
@@ -75,11 +75,14 @@ def _left(start: Start, point: SpecialPoint) -> bool:
     )
 
 
-def _followed(plan: Plan, kind: PointType) -> bool:
-    """Whether the branches that leave points of a kind are wanted."""
+def _followed(plan: Plan, kind: PointType, point: SpecialPoint) -> bool:
+    """Whether the branches that leave a point are wanted.
+
+    A kind may tell its points by other labels: a crossing of two curves is the point that it is on both.
+    """
     if isinstance(kind, LimitType) and not kind.declared and kind.label not in OF_LOCI:
         return plan.settings.events.get(kind.label) == "switch"
-    return kind.label in plan.follow
+    return kind.label in plan.follow or point.label in plan.follow
 
 
 def _openings(

@@ -205,18 +205,24 @@ system: ./hunted.py
 start: {state: {x: 0.5, y: 0.0}}
 continue: {parameter: a, range: [1.5, 3.6]}
 diagram: {follow: [], depth: 2}
-loci: {with: b, range: [1.4, 3.0], of: [PD], follow: [BP]}
+loci: {with: b, range: [1.4, 3.0], of: [PD], follow: [FOLLOWED]}
 figures: []
 """
 
 
-def test_where_doublings_on_a_face_become_transversally_unstable_three_curves_are_followed(tmp_path) -> None:
-    """Right at the point the cubic coefficient has no value, and another one on each curve of doublings.
+@pytest.mark.parametrize("followed", ["BP", "LPPD"])
+def test_where_doublings_on_a_face_become_transversally_unstable_three_curves_are_followed(
+    tmp_path, followed
+) -> None:
+    """By either name of the point, a crossing of curves or what it is on both.
+
+    Right at it the cubic coefficient has no value, and another one on each curve of doublings.
 
     Without predators x = 1 - 1/a doubles at a = 3 and lets predators in at b = 1.2 a / (a - 1); with them
     x = 1.2 / b, where the multiplier is -1 at b = 3.84 a / (2.8 + 1.2 a).
     """
-    _, branches, _ = studied(tmp_path, "hunted", PREY_AND_PREDATORS, DOUBLINGS_ON_THE_FACE)
+    run = DOUBLINGS_ON_THE_FACE.replace("FOLLOWED", followed)
+    _, branches, _ = studied(tmp_path, "hunted", PREY_AND_PREDATORS, run)
     on_face, beside, entries = (b for b in branches if b.info.problem == "locus")
     assert [b.info.settings["of"] for b in (on_face, beside, entries)] == ["PD", "PD", "BP"]
     # Points of branches are solved for on steps a hundred times coarser than the accuracy of 1e-8.
