@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.kinds import crossed, kind_of_test
+from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
@@ -87,8 +87,10 @@ def _between_one_and_minus_one(segment: Segment) -> float | None:
     # Of an orbit with events it changes sides by a pole as well, where one is grazed: it passes neither then.
     by_a_pole = segment.problem.limited is not None and largest > max(abs(end) for end in ends)
     if found is None and not by_a_pole:
-        kind = kind_of_test(segment.problem, Test.TURN)
-        raise Disagreement(kind, "A multiplier goes from beyond 1 to beyond -1, and neither is seen.")
+        raise Disagreement(
+            turning_or_pair(segment.problem),
+            "A multiplier goes from beyond 1 to beyond -1, and neither is seen.",
+        )
     return found
 
 

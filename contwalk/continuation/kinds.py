@@ -38,6 +38,13 @@ def pair(problem: Problem) -> PointType:
     return max(kinds_of_test(problem, Test.STABILITY), key=lambda kind: max(kind.changes))
 
 
+def turning_or_pair(problem: Problem) -> PointType:
+    """The kind of point at which the parameter turns; along a curve in two parameters, where a turn is none,
+    that of a complex pair.
+    """
+    return next(iter(kinds_of_test(problem, Test.TURN)), None) or pair(problem)
+
+
 def kind_of(problem: Problem, point: SpecialPoint) -> PointType | None:
     """The kind of a stored point; None if the problem has no such points."""
     return next((kind for kind in problem.point_types if kind.has(point)), None)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from loci_of_orbits import studied
+from scipy.integrate import solve_ivp
 
 pytestmark = pytest.mark.slow
 
@@ -42,15 +43,79 @@ figures: []
 """
 
 
-def test_folds_do_not_turn_round_where_their_orbits_are_cut(tmp_path):
-    """They went back to where they began, told as `shrunk`; or jumped to what is no solution, `rejoined`."""
+# The reaction A -> B in a stirred tank: AUTO-07p (Doedel et al.), demo ab.
+AB = """
+import math
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    e = math.exp(x[1])
+    dx[0] = -x[0] + p.p1 * (1 - x[0]) * e
+    dx[1] = -x[1] + p.p1 * p.p2 * (1 - x[0]) * e - 3.0 * x[1]
+
+SYSTEM = System(
+    "ab",
+    states=(State("u1"), State("u2")),
+    parameters=(Parameter("p1", 0.0), Parameter("p2", 14.0)),
+    modes=(Mode("smooth", field),),
+)
+"""
+AB_RUN = """
+system: ./ab.py
+start: {state: {u1: 0.0, u2: 0.0}}
+continue: {parameter: p1, range: [0.0, 2.0]}
+diagram: {follow: none, depth: 2}
+loci: {with: p2, range: [2.0, 30.0], of: [HB], follow: [GH]}
+figures: []
+"""
+
+
+def test_folds_end_where_they_come_to_a_loop(tmp_path):
+    """They went back to where they began, told as `shrunk`; or jumped to what is no solution, `rejoined`; or
+    crept to and fro, and ended on one side as `homoclinic` at P = -3.77506 with an error of 4e-10.
+
+    The folds end on a homoclinic orbit whose saddle is neutral, where P is 3.71: the period grows like one
+    over the distance from there.
+    """
     _, found, _ = studied(tmp_path, "populations", PLUGIN, RUN)
     folds = [b for b in found if b.info.settings.get("of_problem") == "periodic_orbit"]
-    assert len(folds) == 2
+    assert [curve.outcome.reason for curve in folds] == ["homoclinic", "homoclinic"]
     for curve in folds:
-        assert curve.outcome.reason in ("max_points", "step_too_small", "homoclinic")
-        sizes = [len(curve.unknowns(k)) for k in range(len(curve.points))]
-        row = next(k for k, size in enumerate(sizes) if size > sizes[0])  # where it is cut
+        assert len(curve.points) < 100  # 51 and 60; 250 and 200 where they crept
         period = curve.points["period"]
-        assert np.all(np.diff(period[row - 5 : row + 4]) > 0.0)
-        assert period[-1] > 12.0
+        assert len(curve.unknowns(len(curve.points) - 1)) > len(curve.unknowns(0))  # cut on the way
+        assert np.all(np.diff(period) > 0.0)
+        assert period[-1] > 20.0
+        assert abs(curve["P"][-1]) > 3.71
+
+
+def test_folds_along_a_canard_are_followed_on_finer_steps_in_more_segments(tmp_path):
+    """Deviations grow by 1e8 there, and the folds crept in steps of 1e-3 and less, to a period of 13."""
+    _, found, _ = studied(tmp_path, "ab", AB, AB_RUN)
+    (curve,) = [b for b in found if b.info.settings.get("of_problem") == "periodic_orbit"]
+    assert curve.outcome.reason == "no_convergence"
+    assert "however fine the steps are" in curve.outcome.message
+    period = curve.points["period"]
+    assert len(curve.points) < 250  # 160
+    assert period[-1] > 16.0
+    assert np.nanmax(curve.points["error"][period > 4.0]) < 0.02  # ended at a hundredth; it was 1.4
+    row = int(np.argmin(np.abs(period - 12.0)))
+    gap, determinant = _returned(curve, row)
+    assert gap < 1e-3  # 1e-10 of the steps here grows by 1e7 on the way
+    assert abs(np.log(determinant)) < 1e-3  # both multipliers are one, to what the orbit is known to
+
+
+def _returned(curve, row: int) -> tuple[float, float]:
+    """How far the orbit of a row misses itself, and the product of its multipliers, by SciPy's DOP853."""
+    p1, p2 = curve["p1"][row], curve["p2"][row]
+
+    def field(t, y):
+        e = np.exp(y[1])
+        rate = p1 * (1.0 - y[0]) * e
+        divergence = -1.0 - p1 * e - 4.0 + p2 * rate
+        return [-y[0] + rate, -4.0 * y[1] + p2 * rate, divergence]
+
+    state = [*(curve["u1"][row], curve["u2"][row]), 0.0]
+    end = solve_ivp(field, (0.0, curve.points["period"][row]), state, method="DOP853", rtol=1e-13, atol=1e-15)
+    last = end.y[:, -1]
+    return float(np.abs(last[:2] - state[:2]).max()), float(np.exp(last[2]))

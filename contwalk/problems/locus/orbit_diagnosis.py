@@ -13,6 +13,7 @@ from contwalk.errors import NotFinite
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.problems.kink import Kink, Met
 from contwalk.problems.locus.persistence import not_persistent, unfolds
+from contwalk.problems.orbit.homoclinic import saddle_ahead
 from contwalk.problems.orbit.vanishing import shrunk
 from contwalk.problems.sample import Sample
 
@@ -21,6 +22,12 @@ NEARLY_SHRUNK = 2e-2
 # An orbit this far from repeating itself, or from being its own image, in units of its range, is not that by
 # errors; what is left of it where that passes zero between two orbits is this part of what it is at either.
 APPARENT, PASSED = 1e-5, 0.05
+# Orbits are not known any more from an error of their own size on, in the metric, which has grown to it from
+# a part of that: right beside a place where curves cross an error is large as well, and only there. Nor are
+# they where steps do not get longer than a part of what the finest ones leave.
+UNKNOWN, GROWING, BLIND = 1.0, 0.01, 0.1
+# Errors that the finest steps leave of orbits that creep past a saddle: those of longer periods have more.
+CREEPING = 1e-3
 
 
 class OrbitLocusDiagnosis:
@@ -36,7 +43,49 @@ class OrbitLocusDiagnosis:
         """Branch points that do not persist, and where the orbits end."""
         if self.unfolded(b.z):
             return Outcome("failed", "no_convergence", not_persistent(self._problem, b.z))
-        return self._orbits_end(a, b) or self._shrinks(a, b) or self._rejoins(a, b)
+        reasons = [self._orbits_end, self._shrinks, self._rejoins]
+        if self._plane.orbit.in_closure:  # of which alone steps are as fine as curves ask for
+            reasons += [self._comes_to_a_loop, self._lost]
+        return next((found for reason in reasons if (found := reason(a, b))), None)
+
+    def _comes_to_a_loop(self, a: Sample, b: Sample) -> Outcome | None:
+        """The end of a curve that comes to homoclinic or heteroclinic orbits.
+
+        Its orbits have longer and longer periods, along hardly any way of the parameters, until what it holds
+        is rounding, however fine the steps are.
+        """
+        if not (min(a.error, b.error) > CREEPING and b.period > a.period):
+            return None
+        orbit, own = self._plane.first(b.z)
+        saddle = saddle_ahead(orbit, own)
+        if saddle is None:
+            return None
+        return Outcome(
+            "stopped",
+            "homoclinic",
+            f"The period runs off ({orbit.system.lasting(b.period, '.4g')} here) while the orbits creep past "
+            f"the saddle {saddle}: the curve comes to homoclinic or heteroclinic orbits near "
+            f"{self._place(b)}, where double precision does not tell what it holds. Nothing to do.",
+        )
+
+    def _lost(self, a: Sample, b: Sample) -> Outcome | None:
+        """The end of a curve where its orbits are not known to their own size any more.
+
+        Further steps would go to and fro on errors, for hundreds of points.
+        """
+        length = float(np.linalg.norm((b.z - a.z) / a.weights))
+        if not (a.error > GROWING and (b.error > UNKNOWN or length < BLIND * b.error)):
+            return None
+        return Outcome(
+            "failed",
+            "no_convergence",
+            f"The curve cannot be followed beyond {self._place(b)}: its orbits are known to {b.error:.1e} of "
+            "their size only, however fine the steps are. End the range before it.",
+        )
+
+    def _place(self, sample: Sample) -> str:
+        values = self._plane.values_of(sample.z)
+        return ", ".join(f"{name} = {values[name]:.10g}" for name in self._plane.free)
 
     def _rejoins(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve whose orbits become their parent: one gone through twice, or its own image.

@@ -13,6 +13,7 @@ from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import EPSILON, Factorization, unit_in
 from contwalk.problems.capabilities import OwnMeasures, OwnMesh
 from contwalk.problems.linearization import Linearization
+from contwalk.problems.locus import adapting
 from contwalk.problems.locus import orbit_marks as marks
 from contwalk.problems.locus.curve_of_orbits import CurveOfOrbits
 from contwalk.problems.locus.orbit_conditions import At
@@ -26,7 +27,6 @@ from contwalk.problems.orbit.discretization import FINEST, SOLVED
 from contwalk.problems.orbit.evaluations import Evaluations
 from contwalk.problems.orbit.extents import sizes_since
 from contwalk.problems.orbit.multipliers import GLOBAL
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.problem import Located, PointType
 from contwalk.problems.sample import Rates, Sample
@@ -201,9 +201,9 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         its sample on other steps, the observables, the kinks and the reported state are taken over.
         """
         unit = unit_in(tangent, weights)
-        there, own = self._on_tangent(z, unit, weights)
+        there, own = self.on_tangent(z, unit, weights)
         given = (
-            None if known is None else replace(known, observables=known.observables[: self._own_observables])
+            None if known is None else replace(known, observables=known.observables[: self.own_observables])
         )
         seen = there.examine(own.z, own.tangent, own.weights, there.linearize(own.z), None, given)
         critical = self.curve.critical(self.further(z))
@@ -232,10 +232,10 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         )
 
     @property
-    def _own_observables(self) -> int:
+    def own_observables(self) -> int:
         return len(self.orbit.observable_names)
 
-    def _on_tangent(self, z: np.ndarray, unit: np.ndarray, weights: np.ndarray) -> tuple[Any, _OnTangent]:
+    def on_tangent(self, z: np.ndarray, unit: np.ndarray, weights: np.ndarray) -> tuple[Any, _OnTangent]:
         """The orbit on the line along a unit tangent, and place, tangent and weights there."""
         there, n = self.plane.on_tangent(z, unit), self.plane.size
         share = float(np.linalg.norm(unit[-2:] / weights[-2:]))
@@ -318,57 +318,8 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         return self.on(made, z, weights)
 
     def adapted(self, sample: Sample) -> tuple[OrbitLocus, Sample]:
-        """The curve with steps and borders made for what follows a solution, and its sample on it.
-
-        The orbit may begin elsewhere, or in other segments; then it is solved for again.
-        """
-        orbit, own = self._on_tangent(sample.z, sample.tangent, sample.weights)
-        given = replace(
-            sample,
-            z=own.z,
-            tangent=own.tangent,
-            weights=own.weights,
-            observables=sample.observables[: self._own_observables],
-            orientation=1.0,  # where curves cross the orbits of one of them are no branch point themselves
-        )
-        orbit, seen = orbit.adapted(given)
-        ahead = float(seen.z[-1]) * sample.tangent[-2:]
-        z = self.joined(seen.z[:-1], sample.z)
-        z[-2:] += ahead
-        weights = self.joined(seen.weights[:-1], sample.weights)
-        lead = float(seen.tangent[-1])
-        tangent = self.joined(seen.tangent[:-1] / (lead or 1.0), sample.tangent)
-        there = self.on(orbit, z, weights)
-        if not np.array_equal(z, sample.z):
-            normal = tangent / weights**2
-            z = newton_on(there, z, weights, normal)  # type: ignore[arg-type]
-            tangent = there.linearize(z).tangent(normal, weights)
-            onwards = _way(there, z, tangent, weights) @ _way(self, sample.z, sample.tangent, sample.weights)
-            tangent = tangent * (np.sign(onwards) or 1.0)
-            there = self.on(orbit, z, weights)
-        again = there.examine(z, tangent, weights, there.linearize(z), sample.unstable, sample)
-        kept = replace(
-            again,
-            orientation=0.0 if sample.orientation == 0.0 else again.orientation,
-            seconds=sample.seconds,
-            evaluations=sample.evaluations,
-            iterations=sample.iterations,
-        )
-        return there, kept
-
-
-def _way(curve: OrbitLocus, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """How both parameters and the period change along a tangent, shape (3,): in whatever segments orbits are.
-
-    At a fold the equations of orbits on a line along the curve tell their own direction as well, and what is
-    made of both may point backwards.
-
-    z, tangent and weights have the shape (N + k + 2,).
-    """
-    there, own = curve.plane.first(z)
-    gradient, n = there.duration_gradient(own), curve.plane.size
-    rate = float(gradient[:n] @ tangent[:n] + gradient[-1] * tangent[-1])
-    return np.append(tangent[-2:] / weights[-2:], rate / there.duration(own))
+        """The curve with steps and borders made for what follows a solution, and its sample on it."""
+        return adapting.adapted(self, sample)
 
 
 class _OnTangent:

@@ -17,7 +17,7 @@ from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, added_by
 from contwalk.problems.orbit.layout import LEAST_CHOSEN
 from contwalk.problems.orbit.step_blocks import Steps, blocks, first_of_blocks, steps_of
 from contwalk.problems.orbit.stretching import carried, stretched
-from contwalk.problems.orbit.transport import STRETCHED, segments_for
+from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, segments_for
 
 # Growth over a segment that is cut by it.
 GROWN = 1e3
@@ -72,17 +72,17 @@ def halves(orbit: DiscretizedOrbit) -> np.ndarray | None:
     return np.arange(m) / m if m <= most else None
 
 
-def recutting(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
+def recutting(orbit: DiscretizedOrbit, z: np.ndarray, most: float = TOO_MUCH) -> np.ndarray | None:
     """Times of each leg at which segments are to start instead, shape (m,); None where they are well.
 
-    z has the shape (N + 1,).
+    `most` is how much deviations may grow over a segment of equal duration. z has the shape (N + 1,).
     """
     m = orbit.cuts
     if not orbit.uneven:
         found = halves(orbit)
         if found is None:
             return _chosen(orbit, z)
-        return found if stretched(orbit, z) else None
+        return found if stretched(orbit, z, most) else None
     if m == 1 and not stretched(orbit, z):
         return None
     steps = steps_of(orbit, z)

@@ -65,6 +65,8 @@ class Discretization:
         (-1); by default the phase condition's point.
     report_event : tuple of (str, str), optional
         Or that before or after an event: its name, and `before` or `after`.
+    share : float
+        Part of the tolerance along a branch that steps are made for, where larger errors would tell nothing.
     """
 
     accuracy: float = 1e-8
@@ -75,6 +77,7 @@ class Discretization:
     report_at: tuple[int, float, float] | None = None
     report_event: tuple[str, str] | None = None
     scheme: str = "auto"
+    share: float = 1.0
 
     @property
     def uneven(self) -> bool:
@@ -100,7 +103,8 @@ class Discretization:
     @property
     def walking(self) -> float:
         """Tolerance along a branch."""
-        return _clipped(self.tolerance if self.tolerance is not None else WALKING * self.accuracy)
+        asked = self.tolerance if self.tolerance is not None else WALKING * self.accuracy
+        return _clipped(self.share * asked)
 
     @property
     def marking(self) -> float:

@@ -136,6 +136,25 @@ def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     )
 
 
+def saddle_ahead(problem: OrbitData, z: np.ndarray) -> str | None:
+    """The saddle that an orbit creeps past, or is on its way to, as `x = 1, y = 2`; None where there is none.
+
+    z has the shape (N + 1,).
+    """
+    for place in [] if problem.forced else _creeping(problem, z):
+        rest = place.equilibrium()
+        if rest is not None and place.distance(rest) <= NEARING:
+            rates = np.linalg.eigvals(place.jacobian(rest)).real
+            if rates.min() < 0.0 < rates.max():
+                return _named(place, rest)
+    return None
+
+
+def _named(place: SlowPlace, rest: np.ndarray) -> str:
+    """An equilibrium, shape (n,), as `x = 1, y = 2`."""
+    return ", ".join(f"{name} = {x:.5g}" for name, x in zip(place.names, rest, strict=True))
+
+
 def _digits(near: _Approached) -> int:
     """Two digits more than an error leaves, and twelve at least."""
     return 12 if near.error >= 1e-10 * abs(near.value) else 16
@@ -320,8 +339,7 @@ def _laws_of(
         found = ((p, p.equilibrium(rest)) for p in known)
         return [p.distance(old) for p, old in found if old is not None]
 
-    where = ", ".join(f"{name} = {x:.5g}" for name, x in zip(place.names, rest, strict=True))
-    where = f"the equilibrium {where}"
+    where = f"the equilibrium {_named(place, rest)}"
     near = distance <= PASSED
     limit = passing(jacobian, distance, samples, slopes, eventful, alike) if near else None
     if limit is not None:

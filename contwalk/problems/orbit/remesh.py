@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from contwalk.problems.orbit.orbit_section import own_reference, section_through
 from contwalk.problems.orbit.section import Section, better_phase
 from contwalk.problems.orbit.shooting import Mesh
 from contwalk.problems.orbit.solving import newton_on
-from contwalk.problems.orbit.transport import closed, moved, recut
+from contwalk.problems.orbit.transport import TOO_MUCH, closed, moved, recut
 from contwalk.problems.sample import Sample
 
 # Residuals so many times above their level are no solution's.
@@ -84,33 +85,39 @@ def _total(orbit: Kind, z: np.ndarray) -> float:
     return abs(orbit.duration(z)) or (1.0 if orbit._mesh is None else orbit._mesh.total)
 
 
-def adapted(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
+# What solves for an orbit in other segments, or begun elsewhere; None where it cannot.
+Closing = Callable[[Kind, Sample], tuple[Kind, Sample] | None]
+
+
+def adapted(
+    orbit: Kind, sample: Sample, closing: Closing[Kind] = closed, most: float = TOO_MUCH
+) -> tuple[Kind, Sample]:
     """The problem with its section, steps and segments made anew at a solution, and its sample on it.
 
     The tangent moves along the flow into the new section; the branch stays where it is. What was a solution
     on the steps of the last orbit may be none on these, as where a leg passes a saddle: it is then corrected.
     At a branch point it stays on its own steps, where it is one: the equations tell neither where the point
-    is nor which way the branch goes.
+    is nor which way the branch goes. `most` is how much deviations may grow over a segment of equal duration.
     """
     problem, born, first = orbit, sample.orientation == 0.0, orbit.uneven and orbit.cuts > 1
     if first:  # what is cut anew stays on its own steps: on others it is no solution yet
-        problem, sample = _recut(orbit, sample, recutting(orbit, sample.z))
+        problem, sample = _recut(orbit, sample, recutting(orbit, sample.z, most), closing)
     if problem is orbit:
         try:
             problem = orbit.adapted_to(sample.z, sample.weights)
         except NotFinite:  # on other steps a segment's own start no longer leads to its end
             if born:
                 return orbit, sample
-            problem, sample = _recut(orbit, sample, halves(orbit))
+            problem, sample = _recut(orbit, sample, halves(orbit), closing)
             if problem is orbit:
                 raise
             return problem, sample
         missed = problem.linearize(sample.z).excess_in(sample.weights) > MISSED
         if missed and not orbit.in_closure:  # these are cut: where a field bends, other steps always miss
             return (orbit, sample) if born else _corrected(problem, sample)
-    problem, sample = _begun_better(problem, sample)
+    problem, sample = _begun_better(problem, sample, closing)
     if not first:
-        problem, sample = _recut(problem, sample, recutting(problem, sample.z))
+        problem, sample = _recut(problem, sample, recutting(problem, sample.z, most), closing)
     tangent = problem.into_section(sample.z, sample.tangent)
     # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
     there = problem.linearize(sample.z)
@@ -118,17 +125,19 @@ def adapted(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
     return problem, again.varied(orientation=0.0) if born else again
 
 
-def _recut(orbit: Kind, sample: Sample, cuts: np.ndarray | None) -> tuple[Kind, Sample]:
+def _recut(
+    orbit: Kind, sample: Sample, cuts: np.ndarray | None, closing: Closing[Kind]
+) -> tuple[Kind, Sample]:
     """The same solution in other segments, (m,) in each leg; as it is where that does not converge."""
     if cuts is None:
         return orbit, sample
     try:
-        return closed(*recut(orbit, sample, cuts)) or (orbit, sample)
+        return closing(*recut(orbit, sample, cuts)) or (orbit, sample)
     except (NotFinite, np.linalg.LinAlgError):
         return orbit, sample
 
 
-def _begun_better(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
+def _begun_better(orbit: Kind, sample: Sample, closing: Closing[Kind]) -> tuple[Kind, Sample]:
     """The same solution, begun where its section is well, if the phase is free: see `section`."""
     if not orbit.in_closure or orbit.forced or not orbit.moves(sample.z):
         return orbit, sample
@@ -136,7 +145,8 @@ def _begun_better(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
     begin = better_phase(times, speeds, np.concatenate([np.diff(steps) for steps in orbit.mesh.steps]))
     if begin is None:
         return orbit, sample
-    return closed(*moved(orbit, sample, begin, begun_at(orbit, sample.z, begin))) or (orbit, sample)
+    later = moved(orbit, sample, begin, begun_at(orbit, sample.z, begin))
+    return closing(*later) or (orbit, sample)
 
 
 def _corrected(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:

@@ -26,16 +26,17 @@ MISSED = 1e-3
 GROWING, PARTS = 30.0, 16
 
 
-def stretched(orbit: DiscretizedOrbit, z: np.ndarray) -> bool:
+def stretched(orbit: DiscretizedOrbit, z: np.ndarray, most: float = TOO_MUCH) -> bool:
     """Whether a segment is too long for Newton's method to be at ease, or to tell multipliers.
 
-    Where a state moves by far less on a leg than on the orbit, as on a stiff contact, its deviations may grow
-    in units of the orbit at once: shorter segments do not change that, and units of the leg tell.
+    `most` is how much deviations may grow over a segment of a closure. Where a state moves by far less on a
+    leg than on the orbit, as on a stiff contact, its deviations may grow in units of the orbit at once:
+    shorter segments do not change that, and units of the leg tell.
 
     z has the shape (N + 1,).
     """
     if orbit.in_closure:
-        if orbit.mesh.growth > TOO_MUCH or carried(orbit, z) > STRETCHED:
+        if orbit.mesh.growth > most or carried(orbit, z) > STRETCHED:
             return True
         return monodromy.trivial_error(orbit, z, orbit.linearize(z).jacobian) > MISSED
     if carried(orbit, z) <= STRETCHED and grown(orbit, z) <= TOO_MUCH:

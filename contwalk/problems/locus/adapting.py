@@ -1,0 +1,141 @@
+"""A curve's orbits discretised anew for what follows a solution."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import NotFinite, StartError
+from contwalk.problems.orbit import remesh
+from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.solving import newton_on
+from contwalk.problems.orbit.transport import closed
+from contwalk.problems.sample import Sample
+
+# How much deviations may grow over a segment of equal duration: what a curve holds has second derivatives of
+# the flow in its slopes, which grow by the square of that.
+AT_EASE = 1e3
+# Orbits are known to this, in the metric: a chord may be off by a fiftieth of it, and steps are a hundredth
+# long where orbits change fast. Where steps of the walk's tolerance make larger errors they are finer.
+KNOWN = 1e-4
+# What steps that do not fit end in.
+FAILURES = (StartError, NotFinite, np.linalg.LinAlgError)
+
+
+def adapted(curve: Any, sample: Sample) -> tuple[Any, Sample]:
+    """A curve with steps and borders made for what follows a solution, and its sample on it.
+
+    Where the orbit begins elsewhere, or in other segments, it is solved for again by the curve's equations:
+    those of the orbit alone are singular at a fold. Where deviations grow so much that steps of the walk's
+    tolerance tell nothing, as towards a homoclinic orbit, they are finer, and the orbit is solved for on
+    them. All of it follows from the solution alone, so that a walk that is taken up again does the same.
+    Legs between events have finer steps where deviations grow, whoever asks for them.
+    """
+    if not curve.orbit.in_closure:
+        return _on_new_steps(curve, sample, closed)
+    if curve.orbit.discretization.share < 1.0:
+        curve = _of_share(curve, sample, 1.0).at_stored(sample.z, sample.weights)
+    usual: tuple[Any, Sample] | None = None
+    try:
+        usual = _on_new_steps(curve, sample, _as_moved)
+        error = usual[1].error
+    except FAILURES:
+        error = _error_on_new_steps(curve, sample)
+    if KNOWN < error < np.inf and sample.orientation != 0.0:
+        share = max(KNOWN / error, FINEST / curve.orbit.discretization.walking)
+        try:
+            return _on_new_steps(_of_share(curve, sample, share), sample, _as_moved, again=True)
+        except FAILURES:
+            pass
+    return _on_new_steps(curve, sample, closed) if usual is None else usual
+
+
+def _of_share(curve: Any, sample: Sample, share: float) -> Any:
+    """The same curve, of orbits whose next steps are made for a part of the walk's tolerance."""
+    discretization = replace(curve.orbit.discretization, share=share)
+    return curve.on(curve.orbit.varied(discretization=discretization), sample.z, sample.weights)
+
+
+def _error_on_new_steps(curve: Any, sample: Sample) -> float:
+    """What errors of steps of the walk's tolerance do to a solution of finer ones."""
+    z, weights = sample.z, sample.weights
+    there = curve.adapted_to(z, weights)
+    error: float = there.linearize(z).orientation_and_error(sample.tangent, weights, there.errors_at(z))[1]
+    return error
+
+
+def _on_new_steps(
+    curve: Any, sample: Sample, closing: remesh.Closing[Any], again: bool = False
+) -> tuple[Any, Sample]:
+    """As `adapted`, on steps of the curve's tolerance; solved for in any case if it is to be so `again`."""
+    orbit, own = curve.on_tangent(sample.z, sample.tangent, sample.weights)
+    given = replace(
+        sample,
+        z=own.z,
+        tangent=own.tangent,
+        weights=own.weights,
+        observables=sample.observables[: curve.own_observables],
+        orientation=1.0,  # where curves cross the orbits of one of them are no branch point themselves
+    )
+    orbit, seen = remesh.adapted(orbit, given, closing, AT_EASE)
+    ahead = float(seen.z[-1]) * sample.tangent[-2:]
+    z = curve.joined(seen.z[:-1], sample.z)
+    z[-2:] += ahead
+    weights = curve.joined(seen.weights[:-1], sample.weights)
+    lead = float(seen.tangent[-1])
+    tangent = curve.joined(seen.tangent[:-1] / (lead or 1.0), sample.tangent)
+    there = curve.on(orbit, z, weights)
+    if np.array_equal(z, sample.z) and not again:
+        return there, _examined(there, z, tangent, weights, sample)
+    z, tangent = _solved(there, z, tangent, weights, _way(curve, sample.z, sample.tangent, sample.weights))
+    there = curve.on(orbit, z, weights)
+    return there, _examined(there, z, tangent, weights, sample)
+
+
+def _solved(
+    there: Any, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, way: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The solution nearest to z across the curve, and the tangent there that goes the same way.
+
+    z, tangent and weights have the shape (N + k + 2,), the way (3,).
+    """
+    normal = tangent / weights**2
+    z = newton_on(there, z, weights, normal)
+    tangent = there.linearize(z).tangent(normal, weights)
+    return z, tangent * (np.sign(_way(there, z, tangent, weights) @ way) or 1.0)
+
+
+def _examined(there: Any, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, sample: Sample) -> Sample:
+    """What is watched at the same solution; what was told of it before is told again.
+
+    z, tangent and weights have the shape (N + k + 2,).
+    """
+    again: Sample = there.examine(z, tangent, weights, there.linearize(z), sample.unstable, sample)
+    return replace(
+        again,
+        orientation=0.0 if sample.orientation == 0.0 else again.orientation,
+        seconds=sample.seconds,
+        evaluations=sample.evaluations,
+        iterations=sample.iterations,
+    )
+
+
+def _as_moved(orbit: Any, rough: Sample) -> tuple[Any, Sample] | None:
+    """An orbit in other segments as it is, to be solved for by others; None where it has no value."""
+    return (orbit, rough) if orbit.linearize(rough.z).finite else None
+
+
+def _way(curve: Any, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """How both parameters and the period change along a tangent, shape (3,): in whatever segments orbits are.
+
+    At a fold the equations of orbits on a line along the curve tell their own direction as well, and what is
+    made of both may point backwards.
+
+    z, tangent and weights have the shape (N + k + 2,).
+    """
+    there, own = curve.plane.first(z)
+    gradient, n = there.duration_gradient(own), curve.plane.size
+    rate = float(gradient[:n] @ tangent[:n] + gradient[-1] * tangent[-1])
+    return np.append(tangent[-2:] / weights[-2:], rate / there.duration(own))
