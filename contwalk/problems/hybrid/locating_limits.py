@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError, UnsupportedOperation
+from contwalk.flow import Field
 from contwalk.flow.events.guard_derivatives import MOST_ORDER
 from contwalk.problems.hybrid import limit_equations
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
@@ -321,9 +322,9 @@ def _first_derivative(problem: LimitedOrbit, i: int, transition: Transition, sam
     """
     z = _solution(problem, sample)
     lasting, typical = abs(float(z[problem.layout.durations][i])), _typical(problem, i, transition, sample)
-    value = float(starting(problem, i, transition, z, 1)[0])
+    value = _begins_with(problem, i, transition, z, 1)
     for order in range(1, MOST_ORDER):
-        following = float(starting(problem, i, transition, z, order + 1)[0])
+        following = _begins_with(problem, i, transition, z, order + 1)
         rounding = STILL * typical / problem.mesh.total**order
         if abs(value) >= max(LITTLE * abs(following) * lasting, rounding):
             return order
@@ -337,12 +338,25 @@ def starting(
     problem: LimitedOrbit, i: int, transition: Transition, z: np.ndarray, order: int
 ) -> tuple[float, np.ndarray]:
     """A guard's derivative by time of an order where leg i begins, with derivatives by the leg's inputs."""
+    map_, x, constants = _at_start(problem, i, transition, z, order)
+    values, derivative = map_.linearized(0.0, x, constants)
+    value, slopes = float(values[0]), derivative[0].copy()
+    slopes[len(x)] = 0.0
+    return value, slopes
+
+
+def _begins_with(problem: LimitedOrbit, i: int, transition: Transition, z: np.ndarray, order: int) -> float:
+    """The value of `starting` alone: derivatives of a high order need not be compiled for it."""
+    map_, x, constants = _at_start(problem, i, transition, z, order)
+    return float(map_(0.0, x, constants)[0])
+
+
+def _at_start(
+    problem: LimitedOrbit, i: int, transition: Transition, z: np.ndarray, order: int
+) -> tuple[Field, np.ndarray, np.ndarray]:
+    """A guard's derivative by time as a compiled map, with the state and constants where leg i begins."""
     piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
-    n = len(x)
     # Over the leg's own time they would be zero with it.
     scalars = np.append(1.0, scalars[1:])
     map_ = piece.passage.guard_derivative(transition, order)
-    values, derivative = map_.linearized(0.0, x, map_.constants(piece.values(scalars)))
-    value, slopes = float(values[0]), derivative[0].copy()
-    slopes[n] = 0.0
-    return value, slopes
+    return map_, x, map_.constants(piece.values(scalars))

@@ -28,6 +28,8 @@ MOST_REPETITIONS, NEAR = 1000, 1e-2
 # Where on one leg states are compared with their images, in parts of what is before the last image; and what
 # counts as near at the first of these.
 PHASES, NEAR_AT_START = (0.0, 0.25, 0.5, 0.75), 0.03
+# Solutions of which it is remembered: of both ends of a step it is asked more than once.
+MOST_KEPT = 2
 
 
 def of_moving(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
@@ -50,6 +52,10 @@ def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
     NotFinite
         If the motion ends before the closure does.
     """
+    return problem.known.at("asymmetries", z, MOST_KEPT, lambda: _measured(problem, z))
+
+
+def _measured(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
     if problem.itinerary.single:
         return _of_one_leg(problem, z)
     found = {f"{times} parts": away for times, away in parts_apart(problem, z)}
