@@ -1,6 +1,7 @@
 # make demo   a first study: bifurcation diagram of the autobalancer, left in demo/
 # make test   the tests, in some minutes
 # make slow   the slow ones: whole studies, killed runs, peers
+# make long   more of these, for which no change waits
 # make check  all tests, lint, format, types and import directions
 # make bench  what continuing costs, beside peers: docs/benchmarks.md
 # make docs   the picture and the table of modules in docs/, from the code
@@ -15,7 +16,7 @@ TEST_OPTIONS ?=
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo test slow check bench docs static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo test slow long check bench docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -49,11 +50,14 @@ test: install-test
 	$(PYTEST) -m "not slow" $(TEST_OPTIONS)
 
 slow: install-test
-	$(PYTEST) -m slow $(TEST_OPTIONS)
+	$(PYTEST) -m "slow and not long" $(TEST_OPTIONS)
+
+long: install-test
+	$(PYTEST) -m long $(TEST_OPTIONS)
 
 # -- what a contributor types --------------------------------------------------------------------------------
 
-check: static test slow
+check: static test slow long
 
 static: install-dev
 	$(BIN)/ruff check .

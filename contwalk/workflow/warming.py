@@ -27,8 +27,15 @@ class Warmed:
 
 
 def warm() -> tuple[list[Warmed], Path]:
-    """Compile the integrators that do not depend on a system, or find them in the cache; its folder."""
+    """Compile what does not depend on a system, or find it in the cache; its folder."""
     from contwalk import object_cache
+
+    folder = object_cache.directory()
+    return [_warmed(name, part, folder) for name, part in parts().items()], folder
+
+
+def parts() -> dict[str, Callable[[], None]]:
+    """What is compiled, whatever the system, by name."""
     from contwalk.flow.ensemble import sampling
     from contwalk.flow.explicit import runge_kutta as explicit
     from contwalk.flow.gauss import gauss_collocation as gauss
@@ -36,7 +43,7 @@ def warm() -> tuple[list[Warmed], Path]:
     from contwalk.flow.radau import radau_iia as radau
     from contwalk.problems.orbit import condensed, periodic_schur, quotients
 
-    parts: dict[str, Callable[[], None]] = {
+    return {
         "explicit methods (dop853, verner98)": explicit.warmup,
         "implicit methods (radau5, radau9)": radau.warmup,
         "collocation (gauss4 to gauss14)": gauss.warmup,
@@ -46,8 +53,6 @@ def warm() -> tuple[list[Warmed], Path]:
         "products of many segments": periodic_schur.warmup,
         "multipliers": quotients.warmup,
     }
-    folder = object_cache.directory()
-    return [_warmed(name, part, folder) for name, part in parts.items()], folder
 
 
 def _warmed(name: str, compile_it: Callable[[], None], folder: Path) -> Warmed:

@@ -180,15 +180,9 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     def nothing():
         pass
 
-    parts = {
-        "explicit.runge_kutta": compile_it,
-        "radau.radau_iia": nothing,
-        "ensemble.sampling": nothing,
-        "hybrid.event_integrator": nothing,
-    }
-    for name, part in parts.items():
-        monkeypatch.setattr(f"contwalk.flow.{name}.warmup", part)
-    monkeypatch.setattr("contwalk.problems.orbit.condensed.warmup", nothing)
+    parts = dict.fromkeys(warming.parts(), nothing)
+    parts[next(iter(parts))] = compile_it
+    monkeypatch.setattr(warming, "parts", lambda: parts)
     done = contwalk("warmup")
     assert done.code == 0
     lines = done.out.splitlines()
@@ -196,7 +190,7 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     assert "was there" in lines[1]
     assert f"cache: {folder}" in done.out
     monkeypatch.setenv("CONTWALK_CACHE_DIR", str(tmp_path / "none"))
-    monkeypatch.setattr("contwalk.flow.explicit.runge_kutta.warmup", nothing)
+    monkeypatch.setattr(warming, "parts", lambda: dict.fromkeys(parts, nothing))
     assert {part.state for part in warming.warm()[0]} == {"not kept"}
 
 

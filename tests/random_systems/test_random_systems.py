@@ -10,8 +10,8 @@ from random_recipes import recipe
 from random_study import checked
 
 SYSTEMS = 200
-# The first ones are tried by `make test`, the others with what is slow.
-QUICK = 50
+# The first ones are tried by `make test`, the next with what is slow, the others with what is long.
+QUICK, SLOW = 40, 100
 # Further ones that showed a fault once.
 MENDED = (377, 574, 610, 657, 742, 934, 980, 1039, 1043, 1259, 1698, 1776)
 
@@ -23,6 +23,8 @@ def _marked(seed: int) -> object:
     marks = [pytest.mark.xfail(strict=True, reason=KNOWN[seed])] if seed in KNOWN else []
     if seed >= QUICK:
         marks.append(pytest.mark.slow)
+    if SLOW <= seed < SYSTEMS:
+        marks.append(pytest.mark.long)
     return pytest.param(seed, marks=marks, id=f"{recipe(seed).family}-{seed}")
 
 

@@ -52,7 +52,7 @@ def cut(parameter: str, value: float, alpha: float, low: float, high: float) -> 
     )[0]
 
 
-@pytest.mark.parametrize("name", [FEET, INERTIA])
+@pytest.mark.parametrize("name", [FEET, pytest.param(INERTIA, marks=pytest.mark.long)])
 def test_all_kinds_of_curves_are_there(name) -> None:
     of_one_step = [curve for curve in curves(name, "LP") if curve.info.closure == "legs"]
     assert [len(found) for found in (of_one_step, curves(name, "PD"))] == [1, 3]
@@ -81,13 +81,13 @@ def test_folds_of_two_steps_lead_from_one_generalized_doubling_to_the_other() ->
         assert np.min(np.abs(ends / place - 1.0).max(axis=1)) < 5e-3
 
 
-@pytest.mark.parametrize("name", [FEET, INERTIA])
+@pytest.mark.parametrize("name", [FEET, pytest.param(INERTIA, marks=pytest.mark.long)])
 def test_fold_and_doublings_meet_in_a_point_that_both_curves_have(name) -> None:
     (one,), (other,) = points(name, "LP", "LPPD"), points(name, "PD", "LPPD")
     assert_one_point(one, other, SECOND[name])
 
 
-@pytest.mark.parametrize("name", [FEET, INERTIA])
+@pytest.mark.parametrize("name", [FEET, pytest.param(INERTIA, marks=pytest.mark.long)])
 def test_a_foot_that_touches_at_a_doubling_is_found_from_both_curves(name) -> None:
     """Of the gait of one step there are three such points; two confirmed ones are of the hind dip."""
     step = [b for b in curves(name, "GR") if b.info.closure == "legs"]
@@ -100,6 +100,7 @@ def test_a_foot_that_touches_at_a_doubling_is_found_from_both_curves(name) -> No
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.long
 def test_cuts_beside_where_the_front_dip_touches_at_the_fold(side) -> None:
     """With lighter thighs the stable gait touches after the fold, with heavier ones the unstable before it.
 
