@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -62,6 +63,40 @@ def folder(tmp_path, monkeypatch) -> Path:
     (tmp_path / "fork.py").write_text(PLUGIN, encoding="utf-8")
     (tmp_path / "run.yaml").write_text(RUN, encoding="utf-8")
     return tmp_path
+
+
+@pytest.fixture(scope="module")
+def left_behind() -> dict[str, Path]:
+    """Folders with all that studies have left, by the name of each."""
+    return {}
+
+
+@pytest.fixture
+def study_of(contwalk, folder):
+    """Computes a study in the folder, of a plugin and its run file; gives the name of its database."""
+
+    def computed(name: str, plugin: str, run_file: str) -> str:
+        (folder / f"{name}.py").write_text(plugin, encoding="utf-8")
+        (folder / f"{name}.yaml").write_text(run_file, encoding="utf-8")
+        assert contwalk("continue", f"{name}.yaml", "--quiet").code == 0
+        return f"{name}.h5"
+
+    return computed
+
+
+@pytest.fixture
+def kept_study_of(study_of, folder, left_behind, tmp_path_factory):
+    """As `study_of`, computed once for all tests of a file: its database names the plugin of the first."""
+
+    def put(name: str, plugin: str, run_file: str) -> str:
+        if name not in left_behind:
+            study_of(name, plugin, run_file)
+            left_behind[name] = tmp_path_factory.mktemp(name)
+            shutil.copytree(folder, left_behind[name], dirs_exist_ok=True)
+        shutil.copytree(left_behind[name], folder, dirs_exist_ok=True)
+        return f"{name}.h5"
+
+    return put
 
 
 @pytest.fixture

@@ -75,21 +75,21 @@ figures: [stick_figure]
 
 
 @pytest.fixture
-def wheel(contwalk, folder):
+def wheel(kept_study_of):
     """Orbits with one heel strike."""
-    (folder / "wheel.py").write_text(WHEEL, encoding="utf-8")
-    (folder / "wheel.yaml").write_text(RUN, encoding="utf-8")
-    assert contwalk("continue", "wheel.yaml", "--quiet").code == 0
-    return "wheel.h5"
+    return kept_study_of("wheel", WHEEL, RUN)
 
 
 @pytest.fixture
-def circle(contwalk, folder):
+def wheel_alone(study_of):
+    """The same, whose plugin no other test reads."""
+    return study_of("wheel", WHEEL, RUN)
+
+
+@pytest.fixture
+def circle(kept_study_of):
     """An equilibrium, and circles of period 2 pi."""
-    (folder / "circle.py").write_text(CIRCLE, encoding="utf-8")
-    (folder / "circle.yaml").write_text(TURNS, encoding="utf-8")
-    assert contwalk("continue", "circle.yaml", "--quiet").code == 0
-    return "circle.h5"
+    return kept_study_of("circle", CIRCLE, TURNS)
 
 
 def frames(path):
@@ -174,11 +174,11 @@ def test_without_ffmpeg_there_is_a_remedy(contwalk, circle, monkeypatch):
     assert "MP4 needs the program ffmpeg, which is not there. Install ffmpeg, or name a .gif" in done.err
 
 
-def test_a_system_without_draw(contwalk, wheel, folder):
+def test_a_system_without_draw(contwalk, wheel_alone, folder):
     (folder / "wheel.py").write_text(WHEEL.replace(", draw=draw", ""), encoding="utf-8")
     for command in (
-        ("animate", "--trust", wheel, "b1/0", "-o", "a.gif"),
-        ("plot", "--trust", wheel, "--kind", "stick_figure", "-o", "a.png"),
+        ("animate", "--trust", wheel_alone, "b1/0", "-o", "a.gif"),
+        ("plot", "--trust", wheel_alone, "--kind", "stick_figure", "-o", "a.png"),
     ):
         done = contwalk(*command)
         assert done.code == 2
@@ -257,8 +257,8 @@ def test_show_tells_legs_and_margins(contwalk, wheel):
         assert "turns_back" in [line[0] for line in lines[head + 1 : head + 5]]
 
 
-def test_show_without_the_system_tells_what_is_stored(contwalk, wheel, folder):
-    done = contwalk("show", wheel, "b1/EP1")
+def test_show_without_the_system_tells_what_is_stored(contwalk, wheel_alone, folder):
+    done = contwalk("show", wheel_alone, "b1/EP1")
     assert done.code == 0
     assert "signature: heel_strike" in done.out
     assert done.err == (
@@ -266,7 +266,7 @@ def test_show_without_the_system_tells_what_is_stored(contwalk, wheel, folder):
         "which is not run without being asked. Give --trust (in Python trust=True) if you trust its code.\n"
     )
     (folder / "wheel.py").unlink()
-    done = contwalk("show", "--trust", wheel, "b1/EP1")
+    done = contwalk("show", "--trust", wheel_alone, "b1/EP1")
     assert done.code == 0
     assert "admissible" in done.out
     assert "of its largest" not in done.out
