@@ -104,7 +104,7 @@ class ResonantGrazing(TwoAtOnce):
     touch happens.
     """
 
-    test = Test.VALUE
+    test, of_place, dear = Test.VALUE, True, True
 
     def __init__(self, label: str, other: str) -> None:
         super().__init__(label, other)

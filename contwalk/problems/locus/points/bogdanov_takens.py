@@ -96,7 +96,7 @@ class _Bare(LocusPoint):
 class VanishingFrequency(BogdanovTakens):
     """On a curve of Hopf points: the frequency vanishes, and the curve goes on as neutral saddles."""
 
-    test, saddles = Test.VALUE, True
+    test, of_place, saddles = Test.VALUE, True, True
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of folds, or of branch points."""

@@ -17,7 +17,7 @@ from contwalk.problems.problem import Located, Sample, Test
 class Cusp(LocusPoint):
     """Two branches of folds meet."""
 
-    label, test = "CP", Test.VALUE
+    label, test, of_place = "CP", Test.VALUE, True
 
     def value(self, problem: Any, sample: Sample) -> float:
         """p.B(q, q) along the curve."""

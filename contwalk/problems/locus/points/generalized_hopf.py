@@ -20,7 +20,7 @@ from contwalk.problems.problem import Located, Sample, Seed, Test
 class GeneralizedHopf(LocusPoint):
     """Hopf points change between super- and subcritical."""
 
-    label, test = "GH", Test.VALUE
+    label, test, of_place = "GH", Test.VALUE, True
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The first Lyapunov coefficient; NaN of neutral saddles, and at zero eigenvalues: poles."""
