@@ -100,6 +100,12 @@ def kept_study_of(study_of, folder, left_behind, tmp_path_factory):
 
 
 @pytest.fixture
+def fork_with_branches(kept_study_of) -> str:
+    """The database of a run that followed the branches at the pitchfork as well."""
+    return kept_study_of("fork", PLUGIN, RUN.replace("diagram: none", "diagram: {follow: [BP]}"))
+
+
+@pytest.fixture
 def contwalk(folder, capsys):
     """Runs a command in the folder."""
 

@@ -9,44 +9,39 @@ import pytest
 MAGIC = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
 
 
-@pytest.fixture
-def database(contwalk):
-    assert contwalk("continue", "run.yaml", "--quiet", "--set", "diagram={follow: [BP]}").code == 0
-    return "fork.h5"
-
-
 @pytest.mark.parametrize("suffix", MAGIC)
-def test_formats(contwalk, database, folder, suffix):
-    done = contwalk("plot", database, "-o", f"figure.{suffix}")
+def test_formats(contwalk, fork_with_branches, folder, suffix):
+    done = contwalk("plot", fork_with_branches, "-o", f"figure.{suffix}")
     assert (done.code, done.out) == (0, f"Wrote figure.{suffix}.\n")
     assert (folder / f"figure.{suffix}").read_bytes().startswith(MAGIC[suffix])
 
 
-def test_axes_with_units(contwalk, database, folder):
-    contwalk("plot", database, "-x", "x", "-y", "r", "-o", "figure.svg")
+def test_axes_with_units(contwalk, folder):
+    assert contwalk("continue", "run.yaml", "--quiet").code == 0
+    contwalk("plot", "fork.h5", "-x", "x", "-y", "r", "-o", "figure.svg")
     text = (folder / "figure.svg").read_text(encoding="utf-8")
     assert "<!-- x (m) -->" in text
     assert "<!-- r (N) -->" in text
     (folder / "fork.py").unlink()  # they are stored
-    assert contwalk("plot", database, "-x", "x", "-y", "r", "-o", "figure.svg", "--force").code == 0
+    assert contwalk("plot", "fork.h5", "-x", "x", "-y", "r", "-o", "figure.svg", "--force").code == 0
     assert "<!-- x (m) -->" in (folder / "figure.svg").read_text(encoding="utf-8")
 
 
-def test_a_file_that_exists_is_replaced_only_with_force(contwalk, database, folder):
+def test_a_file_that_exists_is_replaced_only_with_force(contwalk, fork_with_branches, folder):
     (folder / "mine.png").write_bytes(b"mine")
-    done = contwalk("plot", database, "-o", "mine.png")
+    done = contwalk("plot", fork_with_branches, "-o", "mine.png")
     assert (done.code, done.err) == (
         2,
         "error: mine.png exists. Replace it with --force, or choose another output.\n",
     )
     assert (folder / "mine.png").read_bytes() == b"mine"
-    assert contwalk("plot", database, "-o", "mine.png", "--force").code == 0
+    assert contwalk("plot", fork_with_branches, "-o", "mine.png", "--force").code == 0
     assert (folder / "mine.png").read_bytes().startswith(MAGIC["png"])
 
 
-def test_chosen_branches(contwalk, database, folder):
-    contwalk("plot", database, "-o", "all.svg")
-    contwalk("plot", database, "-o", "one.svg", "--branch", "b2", "--branch", "b2")
+def test_chosen_branches(contwalk, fork_with_branches, folder):
+    contwalk("plot", fork_with_branches, "-o", "all.svg")
+    contwalk("plot", fork_with_branches, "-o", "one.svg", "--branch", "b2", "--branch", "b2")
     everything = (folder / "all.svg").read_text(encoding="utf-8")
     one = (folder / "one.svg").read_text(encoding="utf-8")
     assert 'id="b1-' in everything
@@ -55,23 +50,24 @@ def test_chosen_branches(contwalk, database, folder):
     assert 'id="b2-' in one
 
 
-def test_eigenvalues(contwalk, database, folder):
-    assert contwalk("plot", database, "--kind", "eigenvalues", "-o", "e.svg").code == 0
+def test_eigenvalues(contwalk, fork_with_branches, folder):
+    assert contwalk("plot", fork_with_branches, "--kind", "eigenvalues", "-o", "e.svg").code == 0
     assert "imaginary-axis" in (folder / "e.svg").read_text(encoding="utf-8")
 
 
-def test_machine(contwalk, database, folder):
+def test_machine(contwalk, folder):
+    assert contwalk("continue", "run.yaml", "--quiet").code == 0
     for name in ("b1/BP1", "b1/3"):
         assert (
             contwalk(
-                "plot", "--trust", "--force", database, "--kind", "machine", "--point", name, "-o", "m.svg"
+                "plot", "--trust", "--force", "fork.h5", "--kind", "machine", "--point", name, "-o", "m.svg"
             ).code
             == 0
         )
         assert f"<!-- {name}: r = " in (folder / "m.svg").read_text(encoding="utf-8")
-    assert contwalk("plot", "--trust", "--force", database, "--kind", "machine", "-o", "start.png").code == 0
+    assert contwalk("plot", "--trust", "--force", "fork.h5", "--kind", "machine", "-o", "start.png").code == 0
     (folder / "fork.py").unlink()
-    done = contwalk("plot", "--trust", "--force", database, "--kind", "machine", "-o", "m.png")
+    done = contwalk("plot", "--trust", "--force", "fork.h5", "--kind", "machine", "-o", "m.png")
     assert done.code == 2
     assert "cannot be loaded" in done.err
 
@@ -102,9 +98,9 @@ def test_stability_map_finds_the_swept_parameter(contwalk, folder):
         ((), "Missing option '-o'"),
     ],
 )
-def test_what_cannot_be_drawn(contwalk, database, folder, options, said):
+def test_what_cannot_be_drawn(contwalk, fork_with_branches, folder, options, said):
     before = {path.name for path in folder.iterdir()}
-    done = contwalk("plot", database, *options)
+    done = contwalk("plot", fork_with_branches, *options)
     assert done.code == 2
     assert said in done.err
     assert {path.name for path in folder.iterdir()} == before
