@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -171,9 +171,7 @@ def resumed(
         if number not in without and p.s in (regular_s if p.label == END else special_s)
     )
     work.special_points = [stored.special_points[number] for number in points]
-    ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == END}
-    if len(kept) == 1 and ends:  # ended where it began
-        ends = dict(zip(signs, [p for p in work.special_points if p.label == END], strict=False))
+    ends = _ends(work.special_points, kept["s"], signs)
     born = work.info.parent is not None
     places: dict[float, tuple[Problem, ContinuationState]] = {}
     for sign in signs:
@@ -188,6 +186,19 @@ def resumed(
         else:
             places[sign] = from_row(problem, kept[0], sign, born)
     return places, points
+
+
+def _ends(
+    special_points: Sequence[SpecialPoint], s: np.ndarray, signs: tuple[float, ...]
+) -> dict[float, SpecialPoint]:
+    """The ends of directions; `s` are the places of all rows.
+
+    A direction that ended where it began, as at an end of the range, has no row of its own.
+    """
+    own = [point for point in special_points if point.label == END]
+    ends = {float(np.sign(point.s)): point for point in own if point.s}
+    short = [sign for sign in signs if sign not in ends and not np.any(s * sign > 0.0)]
+    return ends | dict(zip(short, [point for point in own if not point.s], strict=False))
 
 
 _ORDER = {"complete": 0, "stopped": 1, "failed": 2}

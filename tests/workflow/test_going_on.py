@@ -209,3 +209,20 @@ def test_curves_of_a_study_that_was_cut_are_those_of_the_whole_one(compute, tmp_
     assert [branch.name for branch in again] == ["b1", "b2"]
     assert [numbers(branch) for branch in again] == [numbers(branch) for branch in whole]
     assert [branch.special_points for branch in again] == [branch.special_points for branch in whole]
+
+
+@pytest.mark.parametrize("start", [-1.0, 3.0])
+def test_a_start_at_an_end_of_the_range_goes_on(compute, start):
+    """One direction ends where it begins: that end is not the other direction's."""
+    changes = f"parameters.r={start}", "diagram=none"
+    (whole,) = compute("whole.h5", *changes).branches
+    assert whole.outcome.reason == "bound"
+    compute("more.h5", *changes, "continue.max_points=5")
+    assert compute("cut.h5", *changes, reporter=Stopping(5)).interrupted
+    for output in ("more.h5", "cut.h5"):
+        (again,) = compute(output, *changes, resume=True).branches
+        assert again.outcome == whole.outcome
+        assert numbers(again) == numbers(whole)
+        assert [(p.label, p.kind, p.s) for p in again.special_points] == [
+            (p.label, p.kind, p.s) for p in whole.special_points
+        ]
