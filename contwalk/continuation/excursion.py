@@ -126,7 +126,10 @@ def _entry(
         return None
     tangent = found.linearization.tangent(arc.normal, arc.weights)
     sample = found.problem.examine(z, tangent, arc.weights, found.linearization, None)
-    if _lost(found.problem, sample, settings):
+    # Outside no spectrum was asked for: what ends a curve by its eigenvalues shows here only.
+    if found.problem.diagnosis.ended(state.sample, sample) is not None or _lost(
+        found.problem, sample, settings
+    ):
         return None
     return found.problem, ContinuationState(sample, state.s + sign * theta * arc.length, state.step)
 

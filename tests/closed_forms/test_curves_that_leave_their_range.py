@@ -66,6 +66,25 @@ def test_what_does_not_come_back_ends_where_it_leaves() -> None:
     assert (curve["b"].min(), curve["b"].max()) == (-0.28, 0.6) or curve["a"].max() == 0.3
 
 
+def glycolysis(t, x, p, dx):
+    """Sel'kov's model: rests at x = b, y = b / (a + b^2)."""
+    used = (p.a + x[0] ** 2) * x[1]
+    dx[0], dx[1] = used - x[0], p.b - used
+
+
+def test_a_curve_that_comes_back_with_another_eigenvalue_does_not_come_back() -> None:
+    """Through b = 0 the curve of the eigenvalue -0.2 comes back where the other one is the largest."""
+    start = {"a": 0.08, "b": 0.2}
+    system = small_system(glycolysis, "xy", start)
+    steady = cw.continue_branch(
+        cw.Equilibrium(system, start, "b"), [0.2, 1.7], range=(0.05, 1.2), marks={"max_re": [-0.2]}
+    )
+    curve = cw.continue_locus(system, steady, "UZ1", {"b": (0.05, 1.2), "a": (0.01, 0.2)})
+    # Each point is solved for to rounding, of numbers of order 1; the other eigenvalue is 0.12 away.
+    np.testing.assert_allclose(curve["re_1"], -0.2, atol=1e-12)
+    assert "Reached the end of the range, b = 0.05" in curve.outcome.message
+
+
 PLUGIN = """
 from contwalk.system import Mode, Parameter, State, System
 
