@@ -139,8 +139,8 @@ def run(
             for name in claims["claim"].left:
                 recorder.drop(name, "the study that has gone on has no such start")
         result.branches = db.branches()
-        if run_file.loci is not None and not any(b.info.problem == "locus" for b in result.branches):
-            recorder.note("loci", NO_CURVE)
+        if run_file.loci is not None and not result.interrupted:
+            recorder.tell_without_curve(any(b.info.problem == "locus" for b in result.branches))
         lost = lost_values(run_file.sweep, result.branches, run_file.output.name)
         if lost and not result.interrupted:
             recorder.note("sweep", lost)
@@ -293,6 +293,13 @@ class _Recorder:
                 self.db.write_note(key, "")
         for key, text in sentences.items():
             self.note(key, text)
+
+    def tell_without_curve(self, has_curves: bool) -> None:
+        """A note where a study has no curve in two parameters; that of an earlier process goes else."""
+        if not has_curves:
+            self.note("loci", NO_CURVE)
+        elif self.db.notes().get("loci"):
+            self.db.write_note("loci", "")
 
     def record(self, diagram: Diagram) -> None:
         """Everything until the end, or until the user interrupts."""

@@ -56,6 +56,28 @@ diagram: none
 loci: {with: delta, range: [0.001, 1.0], of: HB, follow: all}
 output: all.h5
 """
+FOLD = """
+from contwalk.system import Mode, Parameter, State, System
+
+
+def field(t, x, p, dx):
+    dx[0] = p.a + p.b - x[0] ** 2
+
+
+SYSTEM = System(
+    "fold",
+    states=(State("x"),),
+    parameters=(Parameter("a", 1.0), Parameter("b", 0.0)),
+    modes=(Mode("only", field),),
+)
+"""
+FOLDING = """
+system: ./fold.py
+start: {state: {x: 1.0}}
+continue: {parameter: a, range: [-1.0, 1.0]}
+loci: {with: b, range: [-1.0, 1.0]}
+output: fold.h5
+"""
 # The reaction A -> B in a stirred tank: AUTO-07p (Doedel et al.), demo ab.
 AB = """
 import math
@@ -291,3 +313,43 @@ def test_a_study_without_the_points_that_are_asked_for_says_that_there_is_no_cur
     run_file = read_run_file(tmp_path / "none.yaml", output=str(tmp_path / "none.h5"))
     runner.run(run_file, figures=False, reporter=Told())
     assert runner.NO_CURVE in notes
+
+
+class Told(runner.Reporter):
+    """What is told, until Ctrl-C at the point of a given number."""
+
+    def __init__(self, points=None):
+        self.notes, self.left = [], points
+
+    def note(self, text):
+        self.notes.append(text)
+
+    def point(self, *told):
+        if self.left is not None:
+            self.left -= 1
+            if not self.left:
+                raise KeyboardInterrupt
+
+
+def test_a_study_that_was_interrupted_before_its_curves_does_not_say_that_there_are_none(tmp_path):
+    (tmp_path / "bazykin.py").write_text(PLUGIN)
+    (tmp_path / "all.yaml").write_text(ALL)
+    run_file = read_run_file(tmp_path / "all.yaml", output=str(tmp_path / "all.h5"))
+    told = Told(3)
+    assert runner.run(run_file, figures=False, reporter=told).interrupted
+    assert runner.NO_CURVE not in told.notes
+
+
+def test_that_there_was_no_curve_is_no_longer_said_when_there_is_one(tmp_path):
+    """A study goes on, with more points, to the fold that its first points did not reach."""
+    (tmp_path / "fold.py").write_text(FOLD)
+    (tmp_path / "fold.yaml").write_text(FOLDING)
+    notes = []
+    for number in (2, 200):
+        told = Told()
+        changes = [f"continue.max_points={number}"]
+        run_file = read_run_file(tmp_path / "fold.yaml", changes, output=str(tmp_path / "fold.h5"))
+        runner.run(run_file, figures=False, reporter=told, resume=number > 2)
+        with cw.open_database(tmp_path / "fold.h5") as database:
+            notes.append((runner.NO_CURVE in told.notes, "loci" in database.notes()))
+    assert notes == [(True, True), (False, False)]
