@@ -199,12 +199,16 @@ def _ranges(out: Console, branch: Branch, row: int, units: Mapping[str, str]) ->
     if not names or row >= len(branch):
         return
     ends = quantities.MIN, quantities.MAX
+    moved = {name: [float(branch[end + name][row]) for end in ends] for name in names}
     rows = [
-        [name, *(exact(branch[end + name][row]) for end in ends), with_unit(name, units)] for name in names
+        [name, *("none" if value != value else exact(value) for value in both), with_unit(name, units)]
+        for name, both in moved.items()
     ]
     header = ["over the orbit", "least", "largest", "unit" if any(row[-1] for row in rows) else ""]
     out.print()
     table(out, header, rows, indent=4)
+    if any(value != value for both in moved.values() for value in both):
+        out.print("    none: of an angle that goes round, or a state that never exists on the orbit")
 
 
 def _spectrum(out: Console, branch: Branch, spectrum: Iterable[complex], which: str) -> None:

@@ -14,12 +14,11 @@ from matplotlib.lines import Line2D
 from contwalk.branch import Branch
 from contwalk.plotting.branch_lines import HATCHING, INLAY, LIGHTER, STABLE, UNSTABLE, WHITE, Pen
 from contwalk.plotting.labels import Label, place_labels
-from contwalk.plotting.orbit_values import drawn_by
+from contwalk.plotting.orbit_values import default_y, drawn_by
 from contwalk.plotting.quantities import (
     axis_label,
     called,
     default_x,
-    default_y,
     values,
     with_names,
     written,
@@ -57,8 +56,8 @@ def plot_bifurcation_diagram(
         Those that lack `x` or `y` are left out.
     x, y : str, optional
         Any name or scalar column a branch understands, also a fixed parameter. Default: the first free
-        parameter; the system's first own observable, else its first state. A state of orbits is drawn by its
-        largest and least value, at events where there are some: see `orbit_values`.
+        parameter; the system's first own observable that has a value, else its first such state. A state of
+        orbits is drawn by its largest and least value, at events where there are some: see `orbit_values`.
     ax : Axes, optional
         Where to draw; new axes by default.
     units : mapping, optional
@@ -68,7 +67,8 @@ def plot_bifurcation_diagram(
     xlim, ylim : tuple of float, optional
         The part that is shown; all by default.
     report : callable
-        Given a sentence that lists the special points for whose names there is no room.
+        Given a sentence where nothing is drawn, or one that lists the special points for whose names there
+        is no room.
 
     Raises
     ------
@@ -99,7 +99,8 @@ def plot_bifurcation_diagram(
         for which, curve in enumerate(curves[number])
         for label in _draw_special(ax, branch, names[number], curve.rows, _color(number), twice, which)
     ]
-    _frame(ax, np.concatenate(inks))
+    if not _frame(ax, np.concatenate(inks)):
+        report(_nothing(x, y))
     if xlim is not None:
         ax.set_xlim(*xlim)
     if ylim is not None:
@@ -211,13 +212,25 @@ def _names(
     return names
 
 
-def _frame(ax: Axes, points: np.ndarray) -> None:
-    """Margins for markers and labels; a quantity that is constant but for rounding gets a plain axis."""
+def _nothing(x: str, y: str) -> str:
+    """The sentence where no branch has a point."""
+    return (
+        f"Nothing is drawn: no point has finite values of both {x} and {y}. An angle that goes round has "
+        "neither a largest nor a least value, an observable none where its event never happens. Draw another "
+        "quantity, such as period."
+    )
+
+
+def _frame(ax: Axes, points: np.ndarray) -> bool:
+    """Margins for markers and labels; a quantity that is constant but for rounding gets a plain axis.
+
+    Whether there are points.
+    """
     ax.margins(x=0.05, y=0.1)
     finite = points[np.isfinite(points).all(axis=1)]
     if len(finite) == 0:
         ax.text(0.5, 0.5, "no points", transform=ax.transAxes, ha="center", va="center", color=GREY)
-        return
+        return False
     for axis, set_limits in ((0, ax.set_xlim), (1, ax.set_ylim)):
         low, high = finite[:, axis].min(), finite[:, axis].max()
         size = max(abs(low), abs(high))
@@ -227,6 +240,7 @@ def _frame(ax: Axes, points: np.ndarray) -> None:
         elif high - low < 1e-10 * size:
             set_limits(low - 0.1 * size, high + 0.1 * size)
     ax.autoscale_view()  # now, not lazily: the labels need the final scale
+    return True
 
 
 def _distinguished(

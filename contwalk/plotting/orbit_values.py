@@ -15,7 +15,7 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import ORBITS, Branch
-from contwalk.plotting.quantities import axis_label, values
+from contwalk.plotting.quantities import axis_label, candidates_for_y, values
 
 # What varies less than this part of its size is constant but for rounding.
 CONSTANT = 1e-9
@@ -46,6 +46,25 @@ def drawn_by(branches: Sequence[Branch], y: str, units: dict[str, str]) -> Drawn
         (quantities.MAX + y, quantities.MIN + y) if b.info.problem in ORBITS else (y,) for b in branches
     )
     return Drawn(ends, _placed(label, y, ", largest and least"))
+
+
+def default_y(branches: Sequence[Branch]) -> str:
+    """The first observable of the system's own that has a value somewhere, else the first such state.
+
+    An angle that goes round has neither a largest nor a least value, and an observable none where its event
+    never happens. The first of all where none has a value.
+    """
+    candidates = candidates_for_y(branches)
+    return next((name for name in candidates if _has_value(branches, name)), candidates[0])
+
+
+def _has_value(branches: Sequence[Branch], y: str) -> bool:
+    having = [branch for branch in branches if branch.knows(y)]
+    return any(
+        (found := values(branch, name)) is not None and np.isfinite(found).any()
+        for branch, names in zip(having, drawn_by(having, y, {}).names, strict=True)
+        for name in names
+    )
 
 
 def _tells(orbits: Sequence[Branch], y: str) -> bool:

@@ -118,17 +118,26 @@ def default_x(branches: Sequence[Branch]) -> str:
     raise ContwalkError("No branch has a free parameter.", "Say with x= what stands on the horizontal axis.")
 
 
-def default_y(branches: Sequence[Branch]) -> str:
-    """The first observable of the system's own, which a margin is not, else the first state."""
+def candidates_for_y(branches: Sequence[Branch]) -> list[str]:
+    """The observables of the system's own, which margins are not, then the states.
+
+    Raises
+    ------
+    ContwalkError
+        If there are none.
+    """
     _require_some(branches)
+    own: dict[str, None] = {}
     for branch in branches:
         margins = {name for point in branch.special_points for name in point.margin}
-        for name in branch.info.observables:
-            if name not in (*BUILT_IN_OBSERVABLES, *margins) and not quantities.of_orbit(name):
-                return name
-    for branch in branches:
-        if branch.info.states:
-            return branch.info.states[0]
+        own |= dict.fromkeys(
+            name
+            for name in branch.info.observables
+            if name not in (*BUILT_IN_OBSERVABLES, *margins) and not quantities.of_orbit(name)
+        )
+    own |= dict.fromkeys(name for branch in branches for name in branch.info.states)
+    if own:
+        return list(own)
     raise ContwalkError(
         "No branch has an observable or a state.", "Say with y= what stands on the vertical axis."
     )

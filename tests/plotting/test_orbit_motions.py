@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -102,3 +104,20 @@ def test_states_that_do_not_exist_in_a_mode_are_not_drawn():
     motion = motion_along(SYSTEM, orbit, 2)
     np.testing.assert_array_equal(motion.there, np.concatenate([there, there]))
     assert motion_along(SYSTEM, smooth()).there is None
+
+
+def test_an_angle_that_goes_round_but_for_its_orbits_error_is_folded():
+    """Near a homoclinic orbit it closes to 1e-5 only; 42 turns on, it is drawn about zero."""
+    orbit = smooth()
+    once = orbit.states.copy()
+    once[:, 0] = once[:, 0] * (1.0 - 1e-5) + 42 * TURN
+    curve = columns_of(SYSTEM, replace(orbit, states=once), ["angle", "y"])[:, 0]
+    assert np.nanmax(np.abs(curve)) <= 0.5 * TURN
+
+
+def test_an_angle_that_swings_is_drawn_as_it_is():
+    orbit = smooth()
+    swinging = orbit.states.copy()
+    swinging[:, 0] = 0.45 * TURN * np.sin(TURN * np.linspace(0.0, 1.0, len(swinging)))
+    curve = columns_of(SYSTEM, replace(orbit, states=swinging), ["angle", "y"])
+    np.testing.assert_array_equal(curve[:, 0], swinging[:, 0])

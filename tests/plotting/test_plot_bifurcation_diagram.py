@@ -386,3 +386,40 @@ def test_what_branches_tell_of_themselves_is_not_what_is_drawn_by_default():
     assert plot_bifurcation_diagram([made]).get_ylabel() == "x"
     own = branch({**columns, "height": mu}, observables=("clearance", "split", "height"), special=margin)
     assert plot_bifurcation_diagram([own]).get_ylabel() == "height"
+
+
+def going_round():
+    """Orbits of a pendulum that goes round: its angle has no largest and no least value."""
+    mu = np.linspace(1.0, 2.0, 11)
+    nowhere = np.full(11, np.nan)
+    return branch(
+        {
+            "mu": mu,
+            "angle": mu,
+            "rate": mu,
+            "max:angle": nowhere,
+            "max:rate": 2.0 * mu,
+            "min:angle": nowhere,
+            "min:rate": mu,
+        },
+        states=("angle", "rate"),
+        observables=("max:angle", "max:rate", "min:angle", "min:rate"),
+        problem="periodic_orbit",
+    )
+
+
+def test_by_default_a_quantity_is_drawn_that_has_values():
+    told = []
+    ax = plot_bifurcation_diagram([going_round()], report=told.append)
+    assert ax.get_ylabel() == "rate, largest and least"
+    assert "no points" not in words(ax)
+    assert told == []
+
+
+def test_a_diagram_without_points_says_so():
+    told = []
+    ax = plot_bifurcation_diagram([going_round()], y="angle", report=told.append)
+    assert "no points" in words(ax)
+    (sentence,) = told
+    assert "no point has finite values of both mu and angle" in sentence
+    assert "Draw another quantity" in sentence

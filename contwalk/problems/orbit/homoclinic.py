@@ -146,13 +146,8 @@ def saddle_ahead(problem: OrbitData, z: np.ndarray) -> str | None:
         if rest is not None and place.distance(rest) <= NEARING:
             rates = np.linalg.eigvals(place.jacobian(rest)).real
             if rates.min() < 0.0 < rates.max():
-                return _named(place, rest)
+                return place.described(rest)
     return None
-
-
-def _named(place: SlowPlace, rest: np.ndarray) -> str:
-    """An equilibrium, shape (n,), as `x = 1, y = 2`."""
-    return ", ".join(f"{name} = {x:.5g}" for name, x in zip(place.names, rest, strict=True))
 
 
 def _digits(near: _Approached) -> int:
@@ -339,7 +334,7 @@ def _laws_of(
         found = ((p, p.equilibrium(rest)) for p in known)
         return [p.distance(old) for p, old in found if old is not None]
 
-    where = f"the equilibrium {_named(place, rest)}"
+    where = f"the equilibrium {place.described(rest)}"
     near = distance <= PASSED
     limit = passing(jacobian, distance, samples, slopes, eventful, alike) if near else None
     if limit is not None:

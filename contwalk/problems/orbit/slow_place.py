@@ -54,6 +54,11 @@ class SlowPlace:
         """Speed there against the largest."""
         return self.speed / max(self.fastest, 1e-300)
 
+    def described(self, rest: np.ndarray) -> str:
+        """The states of an equilibrium, shape (k,), in words; rounding beside the orbit's range is zero."""
+        told = np.where(np.abs(rest) < CONVERGED * self.scale, 0.0, rest)
+        return ", ".join(f"{name} = {x:.5g}" for name, x in zip(self.names, told, strict=True))
+
     def equilibrium(self, near: np.ndarray | None = None) -> np.ndarray | None:
         """The equilibrium nearby, or near another state, by Newton's method; None where there is none.
 

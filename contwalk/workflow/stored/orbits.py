@@ -316,6 +316,12 @@ def _folded(system: System, orbit: Orbit, names: Sequence[str]) -> list[float]:
     periods = [(system.states[states.index(name)].period or 0.0) if name in states else 0.0 for name in names]
     found = _values(system, orbit, names)
     ranges = np.nanmax(found, axis=0, initial=-np.inf) - np.nanmin(found, axis=0, initial=np.inf)
+    if orbit.turns is None and len(found):
+        # Round it goes, but for the error of the orbit, which is not small near a homoclinic one.
+        grown = np.abs(np.nan_to_num(found[-1] - found[0]))
+        ranges = np.array(
+            [p if p and round(g / p) else r for p, g, r in zip(periods, grown, ranges, strict=True)]
+        )
     return [p if 0.0 < p * (1.0 - 1e-9) <= r else 0.0 for p, r in zip(periods, ranges, strict=True)]
 
 
