@@ -104,8 +104,16 @@ def _chosen(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
     What grows on the way and is forgotten before a segment ends, as in the jumps of a relaxation oscillation,
     does Newton's method no harm, and cuts there would have to move with the jumps.
     """
-    allowed = orbit.in_closure and orbit.discretization.evenly_first and room(orbit) >= LEAST_CHOSEN
-    if not allowed or carried(orbit, z) <= STRETCHED:
+    return grown_cuts(orbit, z) if carried(orbit, z) > STRETCHED else None
+
+
+def grown_cuts(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
+    """Times of equal growth at which segments may start that are of equal duration, shape (m,); None where
+    they may not, or are too few to be told from others in a row.
+    """
+    if orbit.uneven or not (orbit.in_closure and orbit.discretization.evenly_first):
+        return None
+    if room(orbit) < LEAST_CHOSEN:
         return None
     found = _cuts(steps_of(orbit, z), room(orbit), LEAST_CHOSEN)
     return found if len(found) >= LEAST_CHOSEN else None

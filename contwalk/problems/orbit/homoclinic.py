@@ -36,6 +36,7 @@ from contwalk.problems.orbit.homoclinic_laws import (
     Limit,
     Obeyed,
     coming,
+    drawn,
     gone,
     passing,
 )
@@ -49,7 +50,7 @@ CREEPING = 1e-2
 # An equilibrium this near to the orbit, in units of its range, is passed by it.
 PASSED = 2e-2
 # One this near, in the same units, may be what the orbit is on its way to.
-NEARING = 0.2
+NEARING = 0.3
 # A parameter this near to its limit, relative to itself, is at it.
 LEAST_REST = 1e-10
 # What is left of its way, relative to itself, when orbits of longer periods tell no more.
@@ -340,7 +341,8 @@ def _laws_of(
     if limit is not None:
         return [_Law(limit, lambda before: min(distances(before), default=0.0) > distance, where)]
     # Without events a homoclinic orbit comes back to the saddle, which tells by the slower of both rates.
-    on_its_way = coming(jacobian, samples, slopes) if eventful and distance <= NEARING else None
+    law = coming if eventful else drawn
+    on_its_way = law(jacobian, samples, slopes) if distance <= NEARING else None
     if on_its_way is None:
         return []
     limit, rate = on_its_way

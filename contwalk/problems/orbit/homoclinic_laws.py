@@ -19,6 +19,8 @@ AT_REST = 1e-3
 REST = 10.0
 # How far from the law of its equilibrium the parameter may be, and from it where nothing else is seen.
 LAWFUL, ABOUT = 0.25, 4.0
+# A saddle is left far faster than it is come to, if it is so many times.
+FAR_FASTER = 10.0
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,31 @@ def coming(
     rest = float(slopes[1]) / measured
     off = abs(measured / float(out.real) - 1.0)
     return Limit(rest, (off + LAWFUL) * abs(rest), abs(rest)), -float(into.real)
+
+
+def drawn(
+    jacobian: np.ndarray, samples: tuple[Sample, Sample], slopes: np.ndarray
+) -> tuple[Limit, float] | None:
+    """The limit of orbits without events on their way to a saddle that they leave far faster than they come,
+    and the rate at which they come.
+
+    Along what repels them so fast the parameter stands still, however they came. What is left of how they
+    came is small, and its square may be more: the parameter falls at the rate at which they come, or faster,
+    and later at this rate. The jacobian has the shape (n, n), the slopes d lambda / dT (2,).
+    """
+    values = np.linalg.eigvals(jacobian)
+    repelling, drawing = values[values.real > 0.0], values[values.real < 0.0]
+    if not len(repelling) or not len(drawing) or slopes[0] * slopes[1] <= 0.0:
+        return None
+    out, into = repelling[np.argmin(repelling.real)], drawing[np.argmax(drawing.real)]
+    rate = -float(into.real)
+    if out.imag or into.imag or FAR_FASTER * rate >= out.real:
+        return None
+    measured = float(np.log(slopes[0] / slopes[1])) / (samples[1].period - samples[0].period)
+    if not 1.0 - LAWFUL < measured / rate < ABOUT:
+        return None
+    rest = float(slopes[1]) / measured
+    return Limit(rest, (abs(measured / rate - 1.0) + LAWFUL) * abs(rest), abs(rest)), rate
 
 
 def passing(

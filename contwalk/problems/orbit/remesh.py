@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
-from contwalk.problems.orbit.cutting import begun_at, halves, recutting
+from contwalk.problems.orbit.cutting import begun_at, grown_cuts, halves, recutting
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.discretized_orbit import Kind
 from contwalk.problems.orbit.meshing import meshed, most_steps, runs_of
@@ -128,13 +128,29 @@ def adapted(
 def _recut(
     orbit: Kind, sample: Sample, cuts: np.ndarray | None, closing: Closing[Kind]
 ) -> tuple[Kind, Sample]:
-    """The same solution in other segments, (m,) in each leg; as it is where that does not converge."""
+    """The same solution in other segments, (m,) in each leg; as it is where that does not converge.
+
+    Segments of equal duration have steps of their own. Where deviations grow on the way, those lead
+    elsewhere, and what they miss may be too much for corrections: cut where it grows, the motion keeps its
+    steps.
+    """
     if cuts is None:
         return orbit, sample
+    return (
+        _in_segments(orbit, sample, cuts, closing)
+        or _in_segments(orbit, sample, grown_cuts(orbit, sample.z), closing)
+        or (orbit, sample)
+    )
+
+
+def _in_segments(
+    orbit: Kind, sample: Sample, cuts: np.ndarray | None, closing: Closing[Kind]
+) -> tuple[Kind, Sample] | None:
+    """The same solution in segments that start at times (m,) of each leg; None where that fails."""
     try:
-        return closing(*recut(orbit, sample, cuts)) or (orbit, sample)
+        return None if cuts is None else closing(*recut(orbit, sample, cuts))
     except (NotFinite, np.linalg.LinAlgError):
-        return orbit, sample
+        return None
 
 
 def _begun_better(orbit: Kind, sample: Sample, closing: Closing[Kind]) -> tuple[Kind, Sample]:

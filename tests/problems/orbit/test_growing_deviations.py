@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from peers.problems import plant_in_a_current
 from small_systems import small_system
 
 import contwalk as cw
@@ -11,7 +12,7 @@ from contwalk.branch import Branch
 from contwalk.continuation import outcomes
 from contwalk.continuation.reopening import reopened
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.problems.orbit.layout import times_chosen
+from contwalk.problems.orbit.layout import LEAST_CHOSEN, times_chosen
 from contwalk.problems.orbit.transport import MOST_GROWTH, growth, segments_of_growth
 from contwalk.studies import opening_smooth
 
@@ -128,6 +129,22 @@ def test_an_orbit_begun_twice_round_is_found_where_deviations_grow():
     branch = long_orbits(0.293)
     assert branch["period"].max() < 0.51 * TWICE_ROUND
     assert branch["max_abs"].min() == pytest.approx(2.1438, rel=1e-3)  # once round, not its square
+
+
+def test_a_burster_is_cut_where_halves_on_other_steps_lead_elsewhere():
+    """Its canard repels on the way by far more than a round, which forgets it: an orbit on steps of halves is
+    out of reach of corrections, and over one segment Newton's method ended at a period of 16344.
+    """
+    system = plant_in_a_current.SYSTEM
+    machine = cw.Equilibrium(system, system.defaults() | {"I": -0.1}, free="I")
+    start = [-66.535, 0.98736, 0.0086276, 0.0772518, 0.135619]
+    rest = cw.continue_branch(machine, start, range=(-0.18, 0.3))
+    cycles = cw.switch_branch(machine, rest, "HB1", range=(-0.18, 0.3), max_points=75)
+    assert cycles.outcome.reason == "max_points", cycles.outcome.message
+    assert cycles["period"].max() > 16400.0
+    assert cycles["trivial_error"][-5:].max() < 1e-3  # where the flow misses its velocity by that, it is cut
+    assert segments(cycles)[0] == 1
+    assert segments(cycles)[-1] >= LEAST_CHOSEN
 
 
 def beside_a_circle_for_a_while(t, x, p, dx):

@@ -10,7 +10,7 @@ from small_systems import labelled, small_problem
 
 import contwalk as cw
 from contwalk.problems.orbit.homoclinic import _laws, homoclinic
-from contwalk.problems.orbit.homoclinic_laws import coming, falling, gone, passing, swinging
+from contwalk.problems.orbit.homoclinic_laws import coming, drawn, falling, gone, passing, swinging
 from contwalk.problems.orbit.slow_place import SlowPlace
 
 # Where the manifolds of the saddle of the Morris-Lecar model below meet, by SciPy's DOP853 to 1e-13: from two
@@ -318,6 +318,21 @@ def test_on_the_way_to_a_saddle_the_rate_is_not_yet_the_saddles():
     assert coming(np.diag([-0.38, -0.01]), pair, slopes) is None  # a sink is not left
     assert coming(np.diag([0.38, -0.5]), pair, slopes) is None  # the way to it would be the faster one
     assert coming(np.diag([0.1, -0.01]), pair, slopes) is None  # nothing repels more than the saddle
+
+
+def test_a_saddle_that_is_left_far_faster_than_it_is_come_to_draws_the_parameter_at_twice_the_rate():
+    """Plant's burster: the square of how it comes, exp(-2 * 2.9e-4 t), is more than what is linear in it."""
+    rate, periods = 2.9e-4, np.array([22500.0, 22560.0])
+    parts = np.array([1e-8 * np.exp(-rate * periods), 1e-4 * np.exp(-2.0 * rate * periods)])
+    pair = tuple(SimpleNamespace(period=t) for t in periods)
+    slopes = -rate * (parts[0] + 2.0 * parts[1])
+    limit, found = drawn(np.diag([0.0994, -rate, -0.0141]), pair, slopes)
+    assert found == pytest.approx(rate)
+    assert abs(limit.rest + parts[:, 1].sum()) <= limit.error
+    assert drawn(np.diag([-0.0994, -2.9e-4]), pair, slopes) is None  # a sink is not left
+    assert drawn(np.diag([2e-3, -2.9e-4]), pair, slopes) is None  # it is not left far faster
+    assert drawn(np.diag([0.0994, -1e-4]), pair, slopes) is None  # too fast for how it comes: still a canard
+    assert drawn(np.diag([0.0994, -1e-3]), pair, slopes) is None  # nor does it fall as fast as that
 
 
 def test_an_orbit_that_does_not_come_nearer_is_on_no_way_to_a_saddle():
