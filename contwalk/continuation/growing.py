@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain, repeat
 
+import numpy as np
+
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import control, outcomes
 from contwalk.continuation.branch_in_progress import Start
@@ -21,6 +23,8 @@ from contwalk.problems.problem import LimitType, PointType, Problem, Seed
 # Points of two branches are one where the parameter is the same within so many times their errors, and this
 # part of itself: special points that are not the same lie farther apart.
 ONE_PLACE, TINY = 100.0, 1e-9
+# Frequencies of Hopf points are one to this part of them.
+ALIKE = 1e-7
 
 
 def grown(
@@ -33,7 +37,11 @@ def grown(
     # Where orbits become those of a branch of less, that may be the one they come from, or one that nobody
     # has followed: a start like others, which is known or not.
     returned = {p.index for p in special_points if p.label == END and p.kind == "rejoined"}
+    several: list[SpecialPoint] = []
     for point, kind in leading(plan, start, problem, special_points):
+        if any(_at_once(point, other) for other in several):
+            continue  # pairs that a symmetry makes one: the cycles of all of them have left the first
+        daughters = number
         less = () if point.index not in returned or _left(start, point) else _parent(plan, problem, point)
         below = _openings(plan, problem, kind, point)
         for opening, daughter in chain(zip(below, repeat(True)), zip(less, repeat(False))):
@@ -49,6 +57,15 @@ def grown(
                 above=(*start.above, tuple(special_points)),
             )
             number += 1
+        if number > daughters + 1 and kind.births:
+            several.append(point)
+
+
+def _at_once(point: SpecialPoint, other: SpecialPoint) -> bool:
+    """Whether two Hopf points of a branch are one, with one frequency."""
+    one, another = (float(p.coefficients.get("omega", np.nan)) for p in (point, other))
+    same = np.allclose(point.unknowns, other.unknowns, rtol=TINY, atol=TINY)
+    return same and abs(one - another) <= ALIKE * abs(one)
 
 
 def leading(

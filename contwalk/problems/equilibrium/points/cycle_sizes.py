@@ -26,9 +26,14 @@ FAINT = 1e-6
 
 
 class CycleSizes:
-    """The sizes of a cycle that is born, when the parameter has changed by a given amount."""
+    """The sizes of a cycle that is born, when the parameter has changed by a given amount.
 
-    def __init__(self, equilibrium: EquilibriumEquations, point: SpecialPoint) -> None:
+    `right` is its critical vector, shape (n,), where there are several.
+    """
+
+    def __init__(
+        self, equilibrium: EquilibriumEquations, point: SpecialPoint, right: np.ndarray | None = None
+    ) -> None:
         n, z = equilibrium.states, np.array(point.unknowns)
         self._equilibrium, self._z = equilibrium, z
         self._omega = float(point.coefficients["omega"])
@@ -36,7 +41,8 @@ class CycleSizes:
         jacobian = equilibrium.jacobian(z)
         self._a = jacobian[:n, :n]
         pair = nearest_eigenpair(self._a, 1j * self._omega)
-        self.right = pair.right / np.linalg.norm(pair.right)
+        chosen = pair.right if right is None else right
+        self.right = chosen / np.linalg.norm(chosen)
         self._first = 2.0 * np.abs(self.right)
         self._by_itself = self._first > FAINT * self._first.max()
         self._shift = np.abs(equilibrium.solve_states(z, jacobian[:n, -1]))

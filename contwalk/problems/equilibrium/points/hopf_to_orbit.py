@@ -9,10 +9,11 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
+from contwalk.problems.equilibrium.points.symmetric_vectors import keeps, linear_image, symmetric_vectors
 from contwalk.problems.held_quantities import HeldQuantity
 from contwalk.problems.neutral import generator_at
 from contwalk.problems.orbit import equations
-from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.closure import order_of
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.remesh import mesh_for
 from contwalk.problems.orbit.section import section_at
@@ -22,10 +23,19 @@ from contwalk.system.declarations import ParameterValues
 
 
 def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
-    """The cycle that is born at a Hopf point, along its critical vectors."""
+    """The cycles that are born at a Hopf point, along its critical vectors.
+
+    Where a symmetry makes several pairs pass at once, there is one for each way in which it turns them.
+    """
+    vectors: list[np.ndarray | None] = list(symmetric_vectors(equilibrium, point))
+    return [_along(equilibrium, point, vector) for vector in vectors or [None]]
+
+
+def _along(equilibrium: EquilibriumEquations, point: SpecialPoint, vector: np.ndarray | None) -> Seed:
+    """The cycle that is born along a critical vector, shape (n,); along the only one, if none is given."""
     n, z = equilibrium.states, np.array(point.unknowns)
     omega = float(point.coefficients["omega"])
-    sizes = CycleSizes(equilibrium, point)
+    sizes = CycleSizes(equilibrium, point, vector)
     magnitudes = sizes(abs(float(z[-1])) or 1.0)
     q = _turned(sizes.right, magnitudes)
     known = equilibrium.values_of(z)
@@ -72,7 +82,7 @@ def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequenc
         moved[-1] = change
         return moved
 
-    return (Seed("HB", start, tangent, reach, problem, one_sided=True),)
+    return Seed("HB", start, tangent, reach, problem, one_sided=True)
 
 
 def _along_pins(problem: PeriodicOrbit, start: np.ndarray, tangent: np.ndarray) -> np.ndarray:
@@ -110,11 +120,9 @@ def _symmetry_of_cycle(
         order = order_of(symmetry, x, p)
         if symmetry.role != "spatial" or order is None or order < 2:
             continue
-        if not np.allclose(imaged(symmetry, x, p), x, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(x).max())):
+        if not keeps(symmetry, x, p):
             continue
-        step = 1e-4
-        image = [(imaged(symmetry, x + step * part, p) - x) / step for part in (q.real, q.imag)]
-        ratio = complex(q.conj() @ (image[0] + 1j * image[1])) / complex(q.conj() @ q)
+        ratio = complex(q.conj() @ linear_image(symmetry, x, q, p)) / complex(q.conj() @ q)
         for power in range(1, order):
             turned = ratio**power
             if abs(turned - np.exp(-2j * np.pi / order)) < 1e-6:

@@ -1,0 +1,71 @@
+"""Three oscillators in a ring: at mu = 3 k two pairs pass at once, and waves that rotate or stand are born.
+
+z_j' = (mu + i) z_j - |z_j|^2 z_j + k (z_j+1 + z_j-1 - 2 z_j). Rotating waves have |z|^2 = mu - 3 k; of those
+that stand and change their sign under a reflection two cells have it, and one is at rest.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import contwalk as cw
+from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.diagram import Diagram, Plan
+from contwalk.continuation.settings import Settings
+from contwalk.studies.opening import opened
+from contwalk.system import Mode, Parameter, State, Symmetry, System
+
+K, LAST = 0.1, 0.6
+
+
+def ring() -> System:
+    def field(t, x, p, dx):
+        for i in range(3):
+            a, b = x[2 * i], x[2 * i + 1]
+            j, k = 2 * ((i + 1) % 3), 2 * ((i + 2) % 3)
+            size = a * a + b * b
+            dx[2 * i] = (p.mu - size) * a - b + K * (x[j] + x[k] - 2.0 * a)
+            dx[2 * i + 1] = a + (p.mu - size) * b + K * (x[j + 1] + x[k + 1] - 2.0 * b)
+
+    def turned(t, x, p, image):
+        for i in range(6):
+            image[i] = x[(i + 2) % 6]
+
+    def reflected(t, x, p, image):
+        image[0], image[1], image[2], image[3] = x[2], x[3], x[0], x[1]
+        image[4], image[5] = x[4], x[5]
+
+    return System(
+        "ring",
+        states=tuple(State(name) for name in ("a1", "b1", "a2", "b2", "a3", "b3")),
+        parameters=(Parameter("mu", 0.1),),
+        modes=(Mode("only", field),),
+        symmetries=(Symmetry("turn", "spatial", turned), Symmetry("reflection", "spatial", reflected)),
+    )
+
+
+def test_waves_that_rotate_and_waves_that_stand_are_born() -> None:
+    system, settings = ring(), Settings(range=(0.1, LAST))
+    steps = cw.Discretization(accuracy=1e-8)
+    opening = opened(system, system.defaults(), "mu", np.zeros(6), settings, discretization=steps)
+    start = Start(system, "mu", system.defaults(), opening, "the start")
+    made = Diagram([start], Plan(settings, frozenset({"HB"}), 1))
+    for _ in made.events():
+        pass
+    rest, *waves = made.branches
+    points = [p for p in rest.special_points if p.label == "HB"]
+    assert [p.parameters["mu"] for p in points] == pytest.approx([3.0 * K] * 2, abs=1e-14)
+    assert [b.info.closure for b in waves].count("turn") == 2  # one each way round
+    assert [b.info.closure for b in waves].count("reflection") == 1
+    assert len(waves) == 4  # and the one that the reflection keeps; all of them once
+    assert {b.info.parent[0] for b in waves} == {"b1"}
+    for branch in waves:
+        assert branch.outcome.reason == "bound"
+        radii = np.sort(np.hypot(*[[branch[f"{s}{i}"][-1] for i in (1, 2, 3)] for s in "ab"]))
+        if branch.info.closure == "turn":
+            assert radii == pytest.approx(
+                np.full(3, np.sqrt(LAST - 3.0 * K)), abs=1e-6
+            )  # to the walk's steps
+        if branch.info.closure == "reflection":
+            assert radii == pytest.approx(np.sqrt([0.0, *[LAST - 3.0 * K] * 2]), abs=1e-6)
