@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import NotFinite, PluginError
+from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.hybrid import locating_limits
 from contwalk.problems.locus.orbit_conditions import At
@@ -16,10 +16,12 @@ from contwalk.problems.locus.orbit_curves import CURVES, Limits
 from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.locus.valued_curves import BranchPoints, SymmetryBreakings
 from contwalk.problems.orbit.branching import filled_magnitudes
+from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
 
-# How far beside the point the other curve begins, in the metric: walking back finds the point.
-BESIDE = 1e-2
+# How far beside the point the other curve begins, in the metric: walking back finds the point. The farthest
+# place counts from which Newton's method goes to the curve by less than a part of that way.
+BESIDE, OFF = (1e-2, 1e-3, 1e-4), 0.5
 # A singular value of a curve's equations is nothing below this part of the largest one.
 PERSISTS = 1e-6
 # How far along a direction slopes are looked at for second derivatives, in the metric.
@@ -158,10 +160,26 @@ def _begun(problem: Any, point: SpecialPoint, choose: Any, tangents: Any = None)
             return []
         if tangents is not None:
             return [Seed(curve.of, place, t, None, other) for t in tangents(other, place, scale)]
-        aside = BESIDE * kernel_direction(jacobian, scale)
+        aside = _length_beside(other, place, kernel_direction(jacobian, scale), scale)
         return [Seed(curve.of, place + aside, None, None, other, other_side=place - aside)]
     except (NotFinite, PluginError, np.linalg.LinAlgError):
         return []
+
+
+def _length_beside(curve: Any, place: np.ndarray, along: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """How far along a curve it is begun beside a place on it; as far as any where nothing is found.
+
+    All have the shape (N + k + 2,).
+    """
+    for length in BESIDE:
+        aside = length * along
+        try:
+            solved = newton_on(curve, place + aside, scale, along / scale**2)
+        except (NotFinite, PluginError, StartError, np.linalg.LinAlgError):
+            continue
+        if np.linalg.norm((solved - place - aside) / scale) < OFF * length:
+            return aside
+    return BESIDE[0] * along
 
 
 def second_cosine(point: SpecialPoint, held: float | None) -> float | None:
