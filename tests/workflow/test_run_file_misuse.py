@@ -172,6 +172,8 @@ REPLACED = [
     ("  range: [1.0, 3.0]\n", "", ["line 5", "key continue.range", "missing", "[lowest, highest]"]),
     ("[1.0, 3.0]", "[3.0, 1.0]", ["line 7", "key continue.range", "wrong way round", "[lowest, highest]"]),
     ("[1.0, 3.0]", "[2.0, 2.0]", ["line 7", "key continue.range", "empty"]),
+    ("[1.0, 3.0]", "[1.0, 1e+200]", ["line 7", "key continue.range", "1e+200", "size", "another unit"]),
+    ("[1.0, 3.0]", "[0.0, 1e-200]", ["line 7", "key continue.range", "1e-200", "size", "another unit"]),
     ("[1.0, 3.0]", "[1.0, .inf]", ["line 7", "key continue.range.1", "not finite"]),
     ("[1.0, 3.0]", "[-1.0, 3.0]", ["line 7", "key continue.range", "-1", "bounds", "[0, inf)", "N m"]),
     ("[1.0, 3.0]", "[1.0]", ["line 7", "key continue.range", "two numbers"]),

@@ -16,6 +16,9 @@ from contwalk.workflow.run_file.starts import StartSpec
 if TYPE_CHECKING:
     from contwalk.workflow.run_file.model import ReportPlace, RunModel
 
+# Larger numbers, or ends that are nearer to each other than one over it, have no square in double precision
+# with room for what is computed from it.
+LARGEST = 1e100
 PATH = "path"  # the name of the free parameter of a parameter path
 # Largest real part of an equilibrium, largest modulus of an orbit's multipliers, and what its closure lasts.
 BUILT_IN = ("max_re", "max_abs", quantities.PERIOD)
@@ -175,11 +178,23 @@ def _ends(
     if not low < high:
         shown = f"[{low:.12g}, {high:.12g}]"
         problems.add(key, f"is empty or the wrong way round: {shown}.", "Allowed: [lowest, highest].")
+    _check_size(problems, key, low, high)
     for parameter in system.parameters:
         if parameter.name == name:
             for value in ends:
                 check_bounds(problems, key, parameter, value)
     return low, high
+
+
+def _check_size(problems: Problems, key: Key, low: float, high: float) -> None:
+    """Refuse ranges of which squares, as the metric of a branch has them, are not finite or vanish."""
+    if max(abs(low), abs(high)) > LARGEST or 0.0 < high - low < 1.0 / LARGEST:
+        problems.add(
+            key,
+            f"is [{low:.12g}, {high:.12g}], of a size whose square double precision cannot hold.",
+            f"Allowed: numbers up to {LARGEST:g} that are {1.0 / LARGEST:g} apart or more. Measure the "
+            "parameter in another unit.",
+        )
 
 
 def continued_range(
@@ -226,6 +241,7 @@ def continued_range(
             f"{what} {values}.",
             "Allowed: [lowest, highest]; the direction is said with direction: forward or backward.",
         )
+    _check_size(problems, key, low, high)
     if on_path and (min(ends) < 0.0 or max(ends) > 1.0):
         problems.add(key, f"[{low:.12g}, {high:.12g}] leaves the path.", "Allowed: within [0, 1].")
     for parameter in system.parameters:
