@@ -13,14 +13,13 @@ from autobalancer_figures import RUNS, figure_run
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.workflow.run_file.reading import read_run_file
 
-pytestmark = [pytest.mark.thesis, pytest.mark.slow]
+# The longest studies of all tests: what CI asks of the 3D walkers is in `test_walker3d_gaits`.
+pytestmark = [pytest.mark.thesis, pytest.mark.slow, pytest.mark.long]
 
 REFERENCE = json.loads((Path(__file__).parent / "walker3d_reference.json").read_text(encoding="utf-8"))
 # What the independent implementation is known to; of the ends it has orbits beside them.
 KNOWN, BESIDE = 1e-8, 1e-6
 STUDIES = ("overlap", "no_overlap")
-# The longest study of all tests; the other walker's asks the same of the program.
-MARKS = {"overlap": [pytest.mark.long], "no_overlap": []}
 # The torso of the walker that can be built is balanced: its pitch is neutral.
 PINS = {"overlap": ["across", "along"], "no_overlap": ["across", "along", "pitch"]}
 
@@ -36,7 +35,7 @@ def points(name: str) -> list[SpecialPoint]:
 
 def expected() -> list:
     return [
-        pytest.param(name, entry, marks=MARKS[name], id=f"{name} {entry['label']} {entry['alpha']:.6f}")
+        pytest.param(name, entry, id=f"{name} {entry['label']} {entry['alpha']:.6f}")
         for name in STUDIES
         for entry in REFERENCE[name]
     ]
@@ -60,7 +59,6 @@ def test_there_are_enough_of_them():
     assert [len(REFERENCE[name]) for name in STUDIES] == [9, 4]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("entry", REFERENCE["overlap_ends"], ids=lambda entry: f"{entry['alpha']:.6f}")
 def test_end(entry):
     """A toe comes down, or lifts off, without speed: beyond it there is no such gait."""
@@ -80,7 +78,6 @@ def test_end(entry):
     )
 
 
-@pytest.mark.long
 def test_both_folds_and_no_other():
     """The gait of the walker with overlapping feet is one curve between its two ends."""
     assert sorted(round(p.parameters["alpha"], 6) for p in points("overlap") if p.label == "LP") == [
@@ -99,7 +96,7 @@ def test_the_pitchfork_of_the_walker_that_can_be_built_is_subcritical():
     assert (found.unstable_before, found.unstable_after) == (2, 3)
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=MARKS[name]) for name in STUDIES])
+@pytest.mark.parametrize("name", STUDIES)
 def test_all_of_it_is_half_a_stride(name):
     for branch in study(name):
         assert branch.info.closure == "mirror"

@@ -9,7 +9,8 @@ from killed_runs import Runs, assert_same, stored
 
 from contwalk.storage import open_database
 
-pytestmark = [pytest.mark.thesis, pytest.mark.slow]
+# Runs of smaller machines are killed without waiting for these.
+pytestmark = [pytest.mark.thesis, pytest.mark.slow, pytest.mark.long]
 
 RUNS = Path(__file__).parents[2] / "runs"
 # The stable side: a Neimark-Sacker point, two changes of order, and a foot that touches the ground.

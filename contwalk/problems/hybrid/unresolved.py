@@ -47,6 +47,19 @@ def _undecided(problem: LimitedOrbit, z: np.ndarray, leg: int, transition: Trans
     last, whole = pieces[-1], problem.duration(z)
     own = last.piece.passage.leg.transition or transition
     times, values, _ = last.guard(own)
-    larger = np.flatnonzero(np.abs(values) > level)
-    since = times[larger[-1]] if len(larger) else times[0]
+    since = _below_since(times, np.abs(values), level)
     return level, float((times[-1] - since) * last.duration / whole) if whole > 0.0 else 0.0
+
+
+def _below_since(times: np.ndarray, sizes: np.ndarray, level: float) -> float:
+    """When some sizes fall below a level for good, both of shape (k,): between samples along a straight line.
+
+    Of a motion of few steps, as a flight is one, samples are far apart.
+    """
+    larger = np.flatnonzero(sizes > level)
+    if not len(larger):
+        return float(times[0])
+    k = min(int(larger[-1]), len(times) - 2)
+    over, under = sizes[k], sizes[k + 1]
+    share = min((over - level) / (over - under), 1.0) if over > under else 1.0
+    return float(times[k] + share * (times[k + 1] - times[k]))

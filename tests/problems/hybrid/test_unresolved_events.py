@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hybrid_runs import branch_of, machine
 
+from contwalk.problems.hybrid.unresolved import _below_since
 from contwalk.system import Transition
 
 
@@ -38,3 +39,13 @@ def test_a_branch_ends_where_an_event_is_not_resolved(accuracy, least, most) -> 
     assert least < branch["z"][-1] < most
     # At the last orbits an instant is known to its error over the rate of the guard, a part in 1e4 at most.
     np.testing.assert_allclose(branch["period"], 2.0 * np.pi / np.sqrt(1.0 - branch["z"] ** 2), rtol=1e-4)
+
+
+def test_samples_of_a_flight_are_far_apart_and_its_end_is_resolved() -> None:
+    """From its top a ball falls to the ground in one step of the integrator."""
+    times = np.array([0.0, 0.5, 0.75, 1.0])
+    heights = np.array([0.0, 0.4, 0.3, 0.0])
+    # Along the last straight line it falls by 0.3 in 0.25: below 0.003 it is in the last hundredth of that.
+    assert _below_since(times, heights, 0.003) == pytest.approx(0.9975, rel=1e-12)
+    assert _below_since(times, 1e-3 * heights, 0.003) == 0.0
+    assert _below_since(times, heights + 1.0, 0.003) == 1.0
