@@ -233,10 +233,14 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
 
     @property
     def own_observables(self) -> int:
+        """How many observables its orbits have; what the curve itself tells comes after them."""
         return len(self.orbit.observable_names)
 
     def on_tangent(self, z: np.ndarray, unit: np.ndarray, weights: np.ndarray) -> tuple[Any, _OnTangent]:
-        """The orbit on the line along a unit tangent, and place, tangent and weights there."""
+        """The orbit on the line along a unit tangent, and place, tangent and weights there.
+
+        z, unit and weights have the shape (N + k + 2,).
+        """
         there, n = self.plane.on_tangent(z, unit), self.plane.size
         share = float(np.linalg.norm(unit[-2:] / weights[-2:]))
         weight = 1.0 / share if share > 0.0 else 1.0
