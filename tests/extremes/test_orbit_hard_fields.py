@@ -228,7 +228,9 @@ def test_a_field_that_is_zero_everywhere_has_no_orbit():
     with pytest.raises(StartError) as caught:
         cw.continue_branch(problem, [1.0, 0.0], (0.5, 1.5), period=1.0)
     assert str(caught.value).endswith(".")
-    # A simulation comes to rest at once; nothing tells the way along a plane of equilibria.
+    # A simulation comes to rest at once; each state is what it is, and is held there.
     resting = cw.continue_branch(problem, [1.0, 0.0], (0.5, 1.5), until="settled")
-    assert (resting.info.problem, resting.outcome.status) == ("equilibrium", "failed")
+    assert (resting.info.problem, resting.outcome.status) == ("equilibrium", "complete")
     assert "came to rest at an equilibrium" in resting.outcome.message
+    assert "Conserved, and not declared: x; y." in resting.outcome.message
+    assert np.array_equal(resting["x"], np.ones(len(resting)))

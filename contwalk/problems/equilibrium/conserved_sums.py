@@ -24,6 +24,8 @@ def conserved_sums(problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray:
     n = problem.states
     none = np.zeros((0, n))
     columns = []
+    if not np.all(np.isfinite(z)):
+        return none
     try:
         for k in range(PLACES):
             moved = z + AWAY * np.cos(np.arange(1.0, len(z) + 1.0) * (k + 1.0)) * (np.abs(z) + (z == 0.0))
