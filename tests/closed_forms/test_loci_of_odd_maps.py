@@ -38,6 +38,7 @@ def test_branch_points_and_not_folds_begin_where_both_multipliers_are_one(tmp_pa
     assert_at(tori, "R1", [(2.0, 1.0)])
 
 
+@pytest.mark.long
 def test_what_begins_at_a_resonance_is_looked_for_with_conditions_made_there(tmp_path) -> None:
     """A curve of doublings that began far away leads to one whose borders do not fit."""
     text = RUN.format(name="bent", x=0.2948, free="al", range=[-1.5, 3.5])

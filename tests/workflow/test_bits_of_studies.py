@@ -39,7 +39,7 @@ STUDIES = {
 }
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", ["smooth", "hybrid", pytest.param("soft", marks=pytest.mark.long)])
 def test_two_histories_and_two_numbers_of_threads_give_the_same_database(name, tmp_path):
     study = STUDIES[name]
     study.into(tmp_path / "first.h5")
