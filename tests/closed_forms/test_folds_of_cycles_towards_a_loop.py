@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from demo_ab import AB
 from loci_of_orbits import studied
 from scipy.integrate import solve_ivp
 
@@ -41,28 +42,10 @@ diagram: {follow: none}
 loci: {with: Q, range: [-12, 4], of: [LP], follow: all}
 figures: []
 """
-
-
-# The reaction A -> B in a stirred tank: AUTO-07p (Doedel et al.), demo ab.
-AB = """
-import math
-from contwalk.system import Mode, Parameter, State, System
-
-def field(t, x, p, dx):
-    e = math.exp(x[1])
-    dx[0] = -x[0] + p.p1 * (1 - x[0]) * e
-    dx[1] = -x[1] + p.p1 * p.p2 * (1 - x[0]) * e - 3.0 * x[1]
-
-SYSTEM = System(
-    "ab",
-    states=(State("u1"), State("u2")),
-    parameters=(Parameter("p1", 0.0), Parameter("p2", 14.0)),
-    modes=(Mode("smooth", field),),
-)
-"""
 AB_RUN = """
 system: ./ab.py
 start: {state: {u1: 0.0, u2: 0.0}}
+parameters: {p2: 14.0}
 continue: {parameter: p1, range: [0.0, 2.0]}
 diagram: {follow: none, depth: 2}
 loci: {with: p2, range: [2.0, 30.0], of: [HB], follow: [GH]}

@@ -9,6 +9,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+from demo_ab import AB
 
 import contwalk as cw
 from contwalk.errors import ContwalkError
@@ -77,25 +78,6 @@ start: {state: {x: 1.0}}
 continue: {parameter: a, range: [-1.0, 1.0]}
 loci: {with: b, range: [-1.0, 1.0]}
 output: fold.h5
-"""
-# The reaction A -> B in a stirred tank: AUTO-07p (Doedel et al.), demo ab.
-AB = """
-import math
-from contwalk.system import Mode, Parameter, State, System
-
-
-def field(t, x, p, dx):
-    e = math.exp(x[1])
-    dx[0] = -x[0] + p.p1 * (1 - x[0]) * e
-    dx[1] = -x[1] + p.p1 * p.p2 * (1 - x[0]) * e - 3.0 * x[1]
-
-
-SYSTEM = System(
-    "ab",
-    states=(State("u1"), State("u2")),
-    parameters=(Parameter("p1", 0.0), Parameter("p2", 24.0)),
-    modes=(Mode("smooth", field),),
-)
 """
 AB_RUN = """
 system: ./ab.py

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
+from demo_ab import AB
 from killed_runs import Runs, assert_same
-from test_loci import AB
 
 from contwalk.storage import open_database
 

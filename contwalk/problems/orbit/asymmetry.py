@@ -28,8 +28,9 @@ MOST_REPETITIONS, NEAR = 1000, 1e-2
 # Where on one leg states are compared with their images, in parts of what is before the last image; and what
 # counts as near at the first of these.
 PHASES, NEAR_AT_START = (0.0, 0.25, 0.5, 0.75), 0.03
-# Solutions of which it is remembered: of both ends of a step it is asked more than once.
-MOST_KEPT = 2
+# Solutions of which it is remembered: of both ends of a step it is asked more than once, and between of the
+# guess of a first one.
+MOST_KEPT = 3
 
 
 def of_moving(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
