@@ -63,9 +63,10 @@ def end_record(
 ) -> SpecialPoint:
     """The record of an end point; its note keeps the outcome's sentence.
 
-    `point` is the special point that ends the branch: its errors are the end's. Elsewhere the parameter is
-    what it is. Of a curve in two parameters that holds of neither: where it meets an end of the range, the
-    parameter `bound` with its value, it is located; elsewhere nothing tells its errors.
+    `point` is the special point that ends the branch: its errors are the end's, and its margins, which at a
+    limit are nothing where that was located and of any sign on the branch's own steps. Elsewhere the
+    parameter is what it is. Of a curve in two parameters that holds of neither: where it meets an end of the
+    range, the parameter `bound` with its value, it is located; elsewhere nothing tells its errors.
     """
     error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(state.sample.parameter)))
     located, known = Located(state.sample.z, error), problem.line.second is None
@@ -74,6 +75,7 @@ def end_record(
     record = kind_of_test(problem, Test.END).describe(problem, located, state.sample, state.s)
     if point is not None:
         record = replace(record, error=point.error, errors=point.errors)
+        record = replace(record, admissible=point.admissible, margin=point.margin)
     elif not known:
         record = replace(record, error=None, errors={})
     count = state.sample.unstable + state.sample.held_unstable

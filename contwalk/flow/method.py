@@ -38,6 +38,12 @@ _NAMES = {
 }
 
 
+# So many times the work of the explicit trial the implicit method is given before the former goes on: where
+# a motion repels, stability limits neither, and the implicit one may not arrive at all.
+PATIENCE = 8
+
+# Stages of the implicit method: evaluations of a pass of Newton's method, of which a step has at least one.
+STAGES = 5
 # Passes with tangents on the steps of one path: a correction by Newton's method takes a few.
 REPEATED = 4
 
@@ -64,8 +70,8 @@ class Choice:
     path : Path
         The path by the method chosen.
     explicit_work, implicit_work : float
-        Work of the two in units of a right-hand side; that of the explicit pair up to where its trial ended;
-        NaN for the implicit method if it was not tried.
+        Work of the two in units of a right-hand side; that of a method that was not chosen up to where its
+        trial ended; NaN for the implicit method if it was not tried.
     """
 
     method: str
@@ -109,7 +115,17 @@ def choose(
     spent = explicitly(explicit)
     if explicit.status == "ok" and not _notable(explicit):
         return _chosen(pair, _limited(pair, explicit), explicit, explicit, spent)
-    implicit = run(IMPLICIT, longest)
+    # What takes more work than the explicit pair is not chosen, and need not arrive.
+    patience = 1 if explicit.status == "ok" else PATIENCE
+    implicit = run(IMPLICIT, _affordable(field, patience * spent, carried))
+    if implicit.status == "too_many_steps" and explicit.status == "too_many_steps":
+        explicit = run(pair, PATIENCE * _steps(explicit))
+        spent = explicitly(explicit)
+    if implicit.status == "too_many_steps" and explicit.status != "ok":
+        implicit = run(IMPLICIT, longest)
+    if implicit.status == "too_many_steps" and explicit.status == "ok":
+        more = implicit_work(field, implicit, carried)
+        return _chosen(pair, _limited(pair, explicit), explicit, explicit, spent, more)
     if implicit.status != "ok":
         if explicit.status == "too_many_steps":
             explicit = run(pair, longest)
@@ -179,6 +195,21 @@ def implicit_work(field: CompiledField, path: Path, carried: Carried | None = No
         each = 20.0 * rhs + 6.3 * n * n * (n + q)
         work += REPEATED * (_newton(carried.field, path) + _steps(path) * each)
     return work / _rhs(field)
+
+
+def _affordable(field: CompiledField, work: float, carried: Carried | None) -> int:
+    """Implicit steps that take more work than this, in units of a right-hand side, however few passes each
+    needs.
+    """
+    step = Path(
+        np.zeros(2),
+        np.zeros((2, field.n)),
+        evaluations=STAGES + 1,
+        rejected=0,
+        stiff_fraction=0.0,
+        status="ok",
+    )
+    return int(work / implicit_work(field, step, carried)) + 1
 
 
 def _newton(field: CompiledField, path: Path) -> float:

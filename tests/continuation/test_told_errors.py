@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from hybrid_runs import diagram, machine
+from hybrid_runs import branch_of, diagram, machine
+from small_systems import labelled
 
+import contwalk as cw
 from contwalk.system import System, Transition
 
 # Far coarser than the walk's steps.
@@ -40,3 +42,19 @@ def test_multipliers_at_a_branch_point_are_told_as_well_as_beside_it() -> None:
         assert np.isnan(row["error"])
     for branch in (parent, child):
         assert np.all(branch["spectrum_error"] < 1e-3 * np.maximum(1.0, branch["max_abs"]))
+
+
+def test_the_end_at_a_grazing_has_the_margins_of_the_grazing():
+    """On the walk's own steps the guard misses zero by their error, to either side: an end could be told as
+    not admissible, beside a GR at the same place that is.
+    """
+    system = cw.load_system("impact_oscillator")
+    branch = branch_of(system, "force", (0.3, 1.2), [0.0, 0.0], until="settled", accuracy=ACCURACY)
+    (grazing,) = labelled(branch, "GR")
+    end = max(labelled(branch, "EP"), key=lambda point: point.s)
+    assert end.kind == "grazing"
+    assert (end.parameters, end.admissible, end.margin) == (
+        grazing.parameters,
+        grazing.admissible,
+        grazing.margin,
+    )

@@ -87,6 +87,24 @@ def test_the_zero_of_the_branch_itself_is_left_where_the_spectrum_is_stored():
     assert branch["max_re"] == pytest.approx(np.maximum(expected[:, 0], 0.0), abs=1e-13)
 
 
+def two_oscillators(t, x, p, dx):
+    """At mu = 0 any a is an equilibrium, beside two undamped oscillators with frequencies of their own."""
+    a, y, v, z, w = x
+    dx[0] = p.mu * a
+    dx[1], dx[2] = v, -(1.0 + a**2) * y
+    dx[3], dx[4] = w, -(3.0 + a) * z
+
+
+def test_a_vertical_branch_of_a_machine_without_damping_is_walked():
+    """The pairs on the imaginary axis were told without the zero beside them: an internal error."""
+    _, branch = walked(two_oscillators, "ayvzw", "mu", -0.5)
+    assert np.all(np.abs(branch["mu"]) <= 1e-15)
+    a = branch.points["state"][:, 0]
+    assert a.min() < -3.0 < 3.0 < a.max()
+    # z'' = -(3 + a) z has a positive eigenvalue where a < -3.
+    counts_agree(branch, lambda state: int(state[0] < -3.0))
+
+
 @pytest.mark.parametrize("b", [0.3, 1.0 / math.sqrt(3.0), 0.8])
 def test_what_is_beside_the_zero_is_certain_where_both_meet(b):
     """At b^2 = 1/3 zero is a defective eigenvalue of A; beside the branch the other is simple."""

@@ -9,8 +9,17 @@ import pytest
 from small_flows import field_of
 
 from contwalk.flow import Field, adaptive, along
-from contwalk.flow.method import Carried, Choice, choose, explicit_work, implicit_work
-from contwalk.flow.path import ErrorControl
+from contwalk.flow.integrate import controlled
+from contwalk.flow.method import (
+    PATIENCE,
+    TRIAL_STEPS,
+    Carried,
+    Choice,
+    choose,
+    explicit_work,
+    implicit_work,
+)
+from contwalk.flow.path import ErrorControl, Path
 
 
 def chosen(mu: float, tolerance: float) -> Choice:
@@ -119,3 +128,23 @@ def test_the_choice_is_the_same_every_time() -> None:
         second.reason,
         second.implicit_work,
     )
+
+
+def test_where_a_motion_repels_the_implicit_method_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Deviations of 1e15 have roundings above the tolerance: it took all steps that are allowed."""
+    spent: dict[str, int] = {"dop853": 0, "radau9": 0}
+
+    def counted(*given: object) -> Path:
+        path = controlled(*given)
+        spent[str(given[-1])] += len(path.times) - 1 + path.rejected
+        return path
+
+    monkeypatch.setattr("contwalk.flow.method.controlled", counted)
+    # A spiral until e^36.
+    field = field_of(lambda t, x, p: [3.0 * x[0] - 40.0 * x[1], 40.0 * x[0] + 3.0 * x[1]], 2, 1)
+    control = ErrorControl(1e-6, [1.0, 1.0], far_out=True)
+    choice = choose(field, field.constants([0.0]), 0.0, [1.0, 0.0], 12.0, control)
+    assert choice.method == "dop853"
+    assert choice.path.status == "ok"
+    # An implicit step takes more than an explicit one.
+    assert spent["radau9"] < PATIENCE * TRIAL_STEPS

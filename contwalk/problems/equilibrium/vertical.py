@@ -99,4 +99,5 @@ def spectrum_beside(
         errors=np.append(rest.errors, 0.0),
         rates=np.append(rest.rates, 0.0),
         still=True,
+        bordering=None if rest.bordering is None else np.append(rest.bordering, False),
     )

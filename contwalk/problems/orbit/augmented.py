@@ -278,6 +278,8 @@ def _along_branch(problem: OrbitData, system: Augmented, start: np.ndarray, acro
         move = -g / slope if slope else np.nan
         if not (abs(move) > NEAREST or abs(g) > NEARLY):
             break
+        if other == place:  # to rounding, both signs are here
+            break
         if not np.isnan(other) and not 0.0 < move / (other - place) < 1.0:
             move = 0.5 * (other - place)
         move = float(np.clip(move, -LONGEST, LONGEST))

@@ -130,8 +130,9 @@ def once_round(orbit: OrbitData, jacobian: np.ndarray, first: int) -> np.ndarray
     """
     each = factors(orbit, jacobian)
     whole = np.eye(len(orbit.extended(first)))
-    for k in range(len(each)):
-        whole = each[(first + k) % len(each)] @ whole
+    with np.errstate(over="ignore", invalid="ignore"):  # no number holds it where deviations grow by 1e308
+        for k in range(len(each)):
+            whole = each[(first + k) % len(each)] @ whole
     return whole
 
 

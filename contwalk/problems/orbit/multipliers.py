@@ -254,7 +254,8 @@ def of_sections(
             carried, moved = np.linalg.qr(moved)
         squares.append(moved)
     values, errors = _eigenvalues(squares, sizes)
-    each = errors * (1.0 + GLOBAL * tolerance / ROUNDING)
+    with np.errstate(over="ignore"):  # of one near 1e308 nothing is known
+        each = errors * (1.0 + GLOBAL * tolerance / ROUNDING)
     return Multipliers(values, errors, float(each[0]), accuracies=each)
 
 

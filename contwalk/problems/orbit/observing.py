@@ -34,7 +34,13 @@ def names(orbit: OrbitData) -> tuple[str, ...]:
 def values(orbit: OrbitData, z: np.ndarray, found: Multipliers) -> list[float]:
     """Values of all observables, with the multipliers of z. z has the shape (N + 1,)."""
     largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
-    return [*measured_along(orbit, z, found.values), largest**orbit.rounds]
+    return [*measured_along(orbit, z, found.values), whole_of(largest, orbit.rounds)]
+
+
+def whole_of(modulus: float, rounds: int) -> float:
+    """The modulus of a multiplier over a full orbit of some closures; infinite beyond 1e308."""
+    with np.errstate(over="ignore"):
+        return float(np.float64(modulus) ** rounds)
 
 
 def measured_along(orbit: OrbitData, z: np.ndarray, multipliers: np.ndarray | None = None) -> list[float]:
@@ -92,7 +98,8 @@ def split(multipliers: np.ndarray) -> float:
     best, finite = np.nan, multipliers[np.isfinite(multipliers) & (np.abs(multipliers) > NOTHING)]
     for k, a in enumerate(finite):
         for b in finite[k + 1 :]:
-            square = (a - b) ** 2
+            with np.errstate(over="ignore"):
+                square = (a - b) ** 2
             if (a.imag == 0.0) != (b.imag == 0.0) or (a.imag != 0.0 and b != np.conj(a)):
                 continue
             if not abs(square.real) >= abs(best):

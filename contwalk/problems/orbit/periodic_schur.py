@@ -69,8 +69,9 @@ def sweeps_of(chain: np.ndarray, values: np.ndarray) -> int:
 def product(factors: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
     """The product of factors in the order in which they act, formed."""
     whole: np.ndarray = factors[0]
-    for factor in factors[1:]:
-        whole = factor @ whole
+    with np.errstate(over="ignore", invalid="ignore"):  # beyond 1e308 it is infinite
+        for factor in factors[1:]:
+            whole = factor @ whole
     return whole
 
 

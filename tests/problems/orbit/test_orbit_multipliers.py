@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from contwalk.problems.orbit.multipliers import Multipliers, multipliers
+from contwalk.problems.orbit.observing import split, whole_of
+from contwalk.problems.orbit.periodic_schur import product
 
 ONE = np.ones(3)
 NOTHING = np.zeros((3, 0))
@@ -180,3 +182,12 @@ def test_a_double_multiplier_of_zero_is_no_warning():
     found = multipliers([np.array([[0.0, 1.0], [0.0, 0.0]])], [np.zeros((2, 0))], np.ones(2), 1e-10)
     np.testing.assert_array_equal(found.values, 0.0)
     assert np.isfinite(found.errors).all()
+
+
+def test_what_no_number_holds_is_infinite_without_a_warning():
+    """NumPy warned in the middle of a run, or Python ended it: pushes of e^400 over one of two halves."""
+    half = np.diag([1e200, 0.5])
+    assert product([half, half])[0, 0] == np.inf
+    assert split(np.array([1e200, 1.0])) == np.inf
+    assert whole_of(1e200, 2) == np.inf
+    assert whole_of(3.0, 2) == 9.0
