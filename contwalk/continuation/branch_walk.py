@@ -19,6 +19,7 @@ from contwalk.continuation.branch_in_progress import (
     resumed,
     spent,
 )
+from contwalk.continuation.crowd import Crowd
 from contwalk.continuation.events import Began, Cut, Event, Found, Noted, Plan
 from contwalk.continuation.first_steps import Beginning, FirstSteps, Place
 from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error, start_refined
@@ -220,7 +221,8 @@ class BranchWalk:
         if first is not None and first.place is place and first.points == left:
             events = first.whole()
         else:
-            events = walk(*place, settings, observer, sign, left, begun=begun, done=done)
+            crowd = _crowd(work, sign)
+            events = walk(*place, settings, observer, sign, left, begun=begun, done=done, crowd=crowd)
         for event in events:
             if isinstance(event, End):
                 outcome = with_what_stands_still(event.outcome, work.rows, sign, problem.line.free)
@@ -305,6 +307,13 @@ class BranchWalk:
             work.rows.append(row)
             work.special_points.append(record)
             yield Found(work.info, row, record)
+
+
+def _crowd(work: BranchInProgress, sign: float) -> Crowd:
+    """What the special points of a direction have told that is taken up again."""
+    errors = {float(row["s"][0]): float(row["error"][0]) for row in work.rows if row["special"][0]}
+    own = (point for point in work.special_points if point.s * sign > 0.0 and point.label != END)
+    return Crowd((point.status == "located", point.s, errors.get(point.s, 0.0)) for point in own)
 
 
 def _silently(beginning: Generator[Event, None, Places]) -> Places:

@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.along import located_along
-from contwalk.continuation.double_crossings import knots_of
+from contwalk.continuation.double_crossings import Hidden, knots_of
 from contwalk.continuation.flat_folds import doubt, flat_fold
 from contwalk.continuation.folds_with_pairs import agrees, with_its_pair
 from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair
@@ -29,6 +29,7 @@ from contwalk.continuation.locating import (
     locate,
     locate_multiple,
 )
+from contwalk.continuation.on_finest_steps import Subsegment, on_finest_steps
 from contwalk.continuation.segment import Segment
 from contwalk.continuation.singularity import singularity
 from contwalk.continuation.turns import FLAT, multipliers_tell, only_noise, share_of
@@ -55,13 +56,48 @@ def bifurcations(segment: Segment) -> list[Found]:
     Disagreement, LostBranch
         If the segment must be shorter.
     """
+    try:
+        found = _in_order(segment)
+    except Hidden as hidden:
+        found = _in_three_parts(segment, hidden)
+    _check_apart(segment, found)
+    return found
+
+
+def _in_order(segment: Segment) -> list[Found]:
+    """All bifurcations on a segment, in their order and with counts.
+
+    Raises
+    ------
+    Disagreement, LostBranch
+    """
     first = _branch_points(segment, 0.0, 1.0, [])
     knots, found = knots_of(segment, first)
     for low, high in pairwise(knots):
         found += _crossings(segment, low, high, first)
-    found = sorted(found, key=lambda f: f.theta)
-    _check_apart(segment, found)
-    return _counted(segment, found)
+    return _counted(segment, sorted(found, key=lambda f: f.theta), [segment.at(t).unstable for t in knots])
+
+
+def _in_three_parts(segment: Segment, hidden: Hidden) -> list[Found]:
+    """All bifurcations on a segment, what errors of its steps hide from the finest steps.
+
+    Raises
+    ------
+    Disagreement, LostBranch
+        As well where the finest steps hide it too, or count otherwise where they begin and end.
+    """
+    finer = on_finest_steps(segment, hidden.theta, hidden.which)
+    if finer is None:
+        raise hidden
+    low, high = finer.sides
+    if [segment.at(side).unstable for side in finer.sides] != [finer.part.a.unstable, finer.part.b.unstable]:
+        raise hidden
+    parts = [finer]
+    if low > 0.0:
+        parts.insert(0, Subsegment(segment.until(low), (0.0, low)))
+    if high < 1.0:
+        parts.append(Subsegment(segment.since(high), (high, 1.0)))
+    return [replace(part.placed(f), counted=True) for part in parts for f in _in_order(part.part)]
 
 
 def _check_apart(segment: Segment, found: list[Found]) -> None:
@@ -310,12 +346,20 @@ def _with(located: Located, **vectors: object) -> Located:
     return replace(located, vectors={**located.vectors, **vectors})
 
 
-def _counted(segment: Segment, found: list[Found]) -> list[Found]:
-    """Unstable counts on both sides of each point, from samples between neighbouring points."""
+def _counted(segment: Segment, found: list[Found], seen: list[int]) -> list[Found]:
+    """Unstable counts on both sides of each point, from samples between neighbouring points.
+
+    Between two that lie within errors of each other a sample may hide what passes at both: there it is a
+    count that was `seen` where the segment was split.
+    """
     if not found:
         return found
     between = [0.0, *[0.5 * (f.theta + g.theta) for f, g in pairwise(found)], 1.0]
     counts = [segment.at(t).unstable for t in between]
+    for k, (f, g) in enumerate(pairwise(found), start=1):
+        if counts[k - 1] == counts[k] == counts[k + 1] and 0 not in (*f.type.changes, *g.type.changes):
+            steps = set(f.type.changes) & {-change for change in g.type.changes}
+            counts[k] = next((count for count in seen if count - counts[k] in steps), counts[k])
     return [
         f if f.counted else replace(f, before=before, after=after)
         for f, (before, after) in zip(found, pairwise(counts), strict=True)

@@ -14,17 +14,15 @@ import numpy as np
 
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
+from contwalk.continuation.on_finest_steps import on_finest_steps
 from contwalk.continuation.segment import LostBranch, Segment
-from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Sample, Test, finest
+from contwalk.problems.problem import Sample, Test
 
 # An extremum is looked at when it comes this much nearer to zero than the ends.
 NEAR_ZERO = 0.5
 # Nearer to zero than this, against the ends, an extremum is looked at on the finest steps.
 CLOSE = 1e-4
-# How far to both sides of it, in parts of the segment.
-NEIGHBOURHOOD = 0.02
 # How narrow a bracket says where a multiplier changes its sign, in parts of the segment.
 NARROW = 1e-6
 
@@ -55,12 +53,23 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     return sorted(set(knots)), touching
 
 
+class Hidden(Disagreement):
+    """A multiplier goes from beyond 1 to beyond -1, and neither is seen: where it changes its sign."""
+
+    def __init__(self, segment: Segment, which: int, theta: float) -> None:
+        super().__init__(
+            turning_or_pair(segment.problem),
+            "A multiplier goes from beyond 1 to beyond -1, and neither is seen.",
+        )
+        self.which, self.theta = which, theta
+
+
 def _between_one_and_minus_one(segment: Segment) -> float | None:
     """Where a multiplier that goes from beyond 1 to beyond -1, or back, is between: the count differs there.
 
     Raises
     ------
-    Disagreement
+    Hidden
         If it goes by zero, and the count is that of the ends all the way.
     """
     a, b = segment.a, segment.b
@@ -68,14 +77,14 @@ def _between_one_and_minus_one(segment: Segment) -> float | None:
     if which is None:
         return None
     ends = float(a.eigenvalues[which].real), float(b.eigenvalues[which].real)
-    largest = 0.0
+    largest = place = 0.0
 
     def value(theta: float) -> float:
         return float(segment.at(theta).eigenvalues[which].real)
 
     def attempt(theta: float, left: float, right: float) -> float | None:
-        nonlocal largest
-        largest = max(largest, abs(value(theta)))
+        nonlocal largest, place
+        largest, place = max(largest, abs(value(theta))), theta
         return theta if segment.at(theta).unstable != a.unstable else None
 
     try:
@@ -87,10 +96,7 @@ def _between_one_and_minus_one(segment: Segment) -> float | None:
     # Of an orbit with events it changes sides by a pole as well, where one is grazed: it passes neither then.
     by_a_pole = segment.problem.limited is not None and largest > max(abs(end) for end in ends)
     if found is None and not by_a_pole:
-        raise Disagreement(
-            turning_or_pair(segment.problem),
-            "A multiplier goes from beyond 1 to beyond -1, and neither is seen.",
-        )
+        raise Hidden(segment, which, place)
     return found
 
 
@@ -110,9 +116,9 @@ def _changes_sides(a: Sample, b: Sample) -> int | None:
 
 
 def _beyond_one(sample: Sample) -> int:
-    """How many real multipliers are larger than one."""
-    real = sample.eigenvalues.imag == 0.0
-    return int(np.count_nonzero(real & (sample.eigenvalues.real > 1.0)))
+    """How many of the real multipliers that are counted as unstable are larger than one."""
+    counted = sample.eigenvalues[: sample.unstable]
+    return int(np.count_nonzero((counted.imag == 0.0) & (counted.real > 1.0)))
 
 
 def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | None:
@@ -125,20 +131,11 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     ends = max(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
     if abs(sample.measures[which]) > max(CLOSE * ends, sample.spectrum_error or 0.0):
         return None
-    try:
-        there = finest(segment.problem, sample.z, segment.weights)
-    except NotFinite as error:
-        kind = crossed(segment.problem, sample, which) or kind_of_test(segment.problem, Test.ORIENTATION)
-        raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
-    if there is None:
+    finer = on_finest_steps(segment, theta, which)
+    if finer is None:
         return None
-    sides = max(theta - NEIGHBOURHOOD, 0.0), min(theta + NEIGHBOURHOOD, 1.0)
-    try:
-        a, b = (segment.on(there, side) for side in sides)
-    except LostBranch:
-        return None
-    part = Segment(there, a, b)
-    middle, passes = _extremum(part, which, (0.0, a), (1.0, b))
+    part = finer.part
+    middle, passes = _extremum(part, which, (0.0, part.a), (1.0, part.b))
     if not passes:
         return []
     found = []
@@ -147,10 +144,10 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
         point = _crossing_between(part, which, low, high)
         if point is None:
-            kind = crossed(there, part.at(middle), which) or kind_of_test(there, Test.ORIENTATION)
+            at_middle = crossed(part.problem, part.at(middle), which)
+            kind = at_middle or kind_of_test(part.problem, Test.ORIENTATION)
             raise Disagreement(kind, "Of two near crossings one is lost.")
-        position = sides[0] + point.theta * (sides[1] - sides[0])
-        found.append(replace(point, theta=position, before=before, after=after, counted=True))
+        found.append(replace(finer.placed(point), before=before, after=after, counted=True))
     return found
 
 

@@ -11,6 +11,7 @@ from contwalk.continuation.kinds import kinds_of_test
 from contwalk.continuation.segment import Segment
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
+from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Located, PointType, Sample, Test
 
 # Of two points that are one, in the metric, beside what a mesh blurs.
@@ -125,10 +126,16 @@ def _accepted(
     if known is not None and (found := known(located, theta)) is not None:
         return found
     settled = located.settled()
-    if settled is None:
+    if settled is None or _far_from(segment, settled, located):
         return None
     # The point may be an end of the segment, to rounding: it is never placed beyond it.
     return Found(min(max(theta, 0.0), 1.0), kind, settled, sample_at(segment, kind, settled, near))
+
+
+def _far_from(segment: Segment, settled: Located, located: Located) -> bool:
+    """Whether finer steps have led to another point than the one that was found on the segment's own."""
+    moved = norm_in(settled.z - located.z, segment.weights)
+    return moved > segment.length + WELL_BEYOND * _known_to(segment)
 
 
 def first_accepted(

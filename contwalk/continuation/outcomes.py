@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.continuation.crowd import IN_A_ROW
 from contwalk.errors import ContwalkError
 from contwalk.problems.problem import LimitType, PointType
 
@@ -129,6 +130,18 @@ def stuck(reason: str, sentence: str, step: float, name: str, value: float, know
         "failed",
         "step_too_small",
         f"No step succeeds {where}, down to {step:.1e}: {sentence} {known or other}",
+    )
+
+
+def noise(error: float, name: str, value: float) -> Outcome:
+    """Special points that are not located lie nearer to each other than solutions are known to."""
+    return Outcome(
+        "failed",
+        "step_too_small",
+        f"At {name} = {value:.10g} the last {IN_A_ROW} special points were not located, and lie nearer to "
+        f"each other than solutions there are known to ({error:.1e} in the metric of the branch): what the "
+        "walk tells from there on is rounding. End the range before it; or fix the parameter there and "
+        "continue over another one.",
     )
 
 

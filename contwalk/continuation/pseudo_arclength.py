@@ -11,6 +11,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
 from contwalk.continuation.closing import place_of_closure
+from contwalk.continuation.crowd import Crowd
 from contwalk.continuation.excursion import reentered
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
@@ -49,6 +50,7 @@ def walk(
     *,
     begun: ContinuationState | None = None,
     done: int = 0,
+    crowd: Crowd | None = None,
 ) -> Iterator[Point | End]:
     """Solutions along a branch from `state`, special points in their places, and how it ended.
 
@@ -64,8 +66,11 @@ def walk(
         Where the walk began that goes on here; a branch that comes back there is closed.
     done : int
         How many points it has had since.
+    crowd : Crowd, optional
+        Those of them that were not located.
     """
     origin, number, point, lost = begun or state, 0, (problem, state), SymmetriesLost()
+    crowd = crowd or Crowd()
     try:
         while True:
             closed: float | None = None
@@ -90,6 +95,7 @@ def walk(
                     record = found_record(step.segment.problem, found, place.s, sign)
                     yield Point(place, record)
                     number += 1
+                    crowd.tell(record.status == "located", place.s, place.sample.error)
                     if outcome := _stop(step.segment.problem, found, record, settings):
                         place = replace(place, sample=replace(place.sample, unstable=found.after))
                         yield End(outcome, end_record(problem, place, outcome, sign, point=record))
@@ -103,6 +109,9 @@ def walk(
                 break
             if closed is not None:
                 outcome = outcomes.closed()
+                break
+            if crowd.is_noise:
+                outcome = outcomes.noise(crowd.error, observer.line.free, state.sample.parameter)
                 break
     except outcomes.BREAKDOWNS as error:
         # Whatever cannot be computed is how this direction ends, and nothing else.

@@ -103,6 +103,11 @@ class Segment(HermiteCurve):
         there = self.at(theta)
         return Segment(self.problem, self.a, there)
 
+    def since(self, theta: float) -> Segment:
+        """The part of the segment behind theta."""
+        there = self.at(theta)
+        return Segment(self.problem, there, self.b)
+
     def distance(self, z: np.ndarray, theta: float) -> float:
         """Distance of z from the solution at theta, relative to the length of the segment.
 

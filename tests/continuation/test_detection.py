@@ -11,8 +11,11 @@ from made_up import MadeUp, at, circle, line, parabola, pitchfork, unrefined
 from small_systems import small_problem
 
 import contwalk as cw
+from contwalk.continuation import detection
 from contwalk.continuation.detection import _check_apart, at_the_end, bifurcations
+from contwalk.continuation.double_crossings import Hidden
 from contwalk.continuation.locating import Disagreement
+from contwalk.continuation.on_finest_steps import Subsegment
 
 
 def told(found):
@@ -384,3 +387,53 @@ def test_a_located_point_is_told_on_its_segment():
     found = bifurcations(problem.segment((0.0, -1e-14), (0.0, 1.0)))
     assert told(found) == [("HB", 0, 2)]
     assert 0.0 <= found[0].theta <= 1.0
+
+
+# -- what errors of steps hide -------------------------------------------------------------------------------
+
+
+def _two_pairs():
+    special = {"HB": [at(0.0, 0.3), at(0.0, 0.7)]}
+    return line(lambda z: [*pair(0.3)(z), *pair(0.7, 0.5)(z)], special=special)
+
+
+def _hidden_on(monkeypatch, segment, finer):
+    """As if a multiplier changed sides unseen on `segment`, and `finer` were there on the finest steps."""
+    usual = detection.knots_of
+
+    def knots_of(part, branch_points):
+        if part is segment:
+            raise Hidden(part, 0, 0.3)
+        return usual(part, branch_points)
+
+    monkeypatch.setattr(detection, "knots_of", knots_of)
+    monkeypatch.setattr(detection, "on_finest_steps", lambda *_: finer)
+
+
+def test_what_errors_hide_is_found_on_finest_steps_and_the_rest_beside_it(monkeypatch):
+    problem = _two_pairs()
+    segment = problem.segment((0.0, 0.0), (0.0, 1.0))
+    finer = Subsegment(problem.segment((0.0, 0.28), (0.0, 0.32)), (0.28, 0.32))
+    _hidden_on(monkeypatch, segment, finer)
+    found = bifurcations(segment)
+    assert told(found) == [("HB", 0, 2), ("HB", 2, 4)]
+    assert [f.theta for f in found] == pytest.approx([0.3, 0.7], abs=1e-12)
+
+
+def test_finest_steps_that_count_otherwise_where_they_begin_are_not_trusted(monkeypatch):
+    problem = _two_pairs()
+    segment = problem.segment((0.0, 0.0), (0.0, 1.0))
+    elsewhere = problem.segment((0.0, 0.48), (0.0, 0.52))
+    for finer in (None, Subsegment(elsewhere, (0.28, 0.32))):
+        with monkeypatch.context() as patch:
+            _hidden_on(patch, segment, finer)
+            with pytest.raises(Disagreement, match="neither is seen"):
+                bifurcations(segment)
+
+
+def test_a_point_that_finer_steps_have_elsewhere_is_not_the_one_on_the_segment():
+    """What is near to it on the segment's own steps leads to another point, as along a canard."""
+    near = at(0.0, 0.25, refine=lambda: at(0.0, 0.95))
+    problem = line(pair(0.25), special={"HB": [near]})
+    with pytest.raises(Disagreement, match="no point HB is found"):
+        bifurcations(problem.segment((0.0, 0.2), (0.0, 0.3)))

@@ -64,17 +64,17 @@ PLUGIN = """\
 from contwalk.system import Mode, Parameter, State, System
 
 def field(t, x, p, dx):
-    dx[0] = (x[1] - x[0]**3 / 3.0 + x[0]) / 0.05
+    dx[0] = (x[1] - x[0]**3 / 3.0 + x[0]) / 0.01
     dx[1] = p.a - x[0]
 
-SYSTEM = System("van_der_pol", states=(State("x"), State("y")), parameters=(Parameter("a", 0.99),),
+SYSTEM = System("van_der_pol", states=(State("x"), State("y")), parameters=(Parameter("a", 0.9987),),
     modes=(Mode("only", field),))
 """
 RUN = """\
 contwalk: 1
 system: ./plugin.py
 start: {simulate: {state: {x: 1.5, y: 0.0}, until: settled}}
-continue: {parameter: a, range: [0.99, 1.2], max_points: 70}
+continue: {parameter: a, range: [0.9987, 1.2], max_points: 100}
 diagram: none
 output: out.h5
 """
@@ -83,10 +83,10 @@ output: out.h5
 def test_the_canard_of_van_der_pol_is_told_by_a_branch_that_goes_on_in_it(tmp_path):
     (tmp_path / "plugin.py").write_text(PLUGIN)
     (tmp_path / "run.yaml").write_text(RUN)
-    for points in (70, 80):
+    for points in (100, 110):
         given = [f"continue.max_points={points}"]
         study = cw.read_run_file(tmp_path / "run.yaml", given, output=tmp_path / "out.h5")
-        branch = cw.run(study, figures=False, resume=points > 70).branches[0]
+        branch = cw.run(study, figures=False, resume=points > 100).branches[0]
         assert branch.outcome.reason == "max_points"
-        assert "points a stands still at 0.99349" in branch.outcome.message
+        assert "points a stands still at 0.99874" in branch.outcome.message
         assert "while the period goes from " in branch.outcome.message

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from made_up import line
 
-from contwalk.continuation.double_crossings import knots_of
+from contwalk.continuation.double_crossings import _changes_sides, knots_of
 from contwalk.continuation.locating import Disagreement
 from contwalk.problems.locus.orbit_points.catalogue import POINT_TYPES
 from contwalk.problems.sample import Sample
@@ -45,3 +45,16 @@ def test_a_multiplier_that_changes_sides_unseen_asks_for_a_shorter_step(label) -
     )
     with pytest.raises(Disagreement, match="beyond 1 to beyond -1"):
         knots_of(segment, [])
+
+
+def test_a_multiplier_that_is_one_to_its_error_does_not_hide_one_that_changes_sides() -> None:
+    """4e79 and 3.8, which is known to 100 and not counted, become -4e81 and -0.04."""
+    a, b = (
+        replace(
+            _with_multiplier(first, 1.0, 1e-3),
+            eigenvalues=np.array([first, second], dtype=complex),
+            errors=np.array([1e-3, 1e2]),
+        )
+        for first, second in ((4e79, 3.8), (-4e81, -0.04))
+    )
+    assert _changes_sides(a, b) == 0

@@ -20,7 +20,7 @@ from contwalk.problems.orbit.stretching import carried, stretched
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, segments_for
 
 # Growth over a segment that is cut by it.
-GROWN = 1e3
+GROWN = 1e2
 # Steps over which deviations grow by no more than this together are not parted.
 RESOLVED = 10.0
 # Segments of equal duration that a branch has room for: of a closure in its own time; of legs, and unknowns
@@ -29,9 +29,9 @@ ROOM, ROOM_OF_LEGS, UNKNOWNS_OF_LEGS = 8, 16, 400
 # Segments that a branch has room for, and unknowns with them: all its rows in the database are as long. A
 # branch of which nobody expects that it needs them has less.
 MOST_CUTS, MOST_UNKNOWNS = 160, 960
-FEWER_CUTS, FEWER_UNKNOWNS = 40, 200
+FEWER_CUTS, FEWER_UNKNOWNS = 80, 400
 # More than that, and it is cut anew; so many times more segments than growth asks for are too many.
-TOO_GROWN, TOO_MANY = 3e4, 2.0
+TOO_GROWN, TOO_MANY = 1e3, 2.0
 # Other cuts are worth it where the growth over each is this part of what it was: the same number may have
 # come to lie elsewhere than where the flow grows.
 BETTER = 0.1

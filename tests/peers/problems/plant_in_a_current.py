@@ -2,7 +2,7 @@
 
 import math
 
-from peers.form import FORTY_DIGITS, Peer, Study, Value
+from peers.form import FORTY_DIGITS, Ending, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, System
 
@@ -37,18 +37,23 @@ PEER = Peer(
     "Plant's burster in a constant current",
     SYSTEM.reference,
     (
-        # Beyond the fold the cycles follow what repels them: deviations grow ever more in a round.
+        # Beyond the fold the cycles follow what repels them, and deviations grow ever more in a round, to
+        # a saddle's homoclinic orbit.
         Study(
             "",
             {
                 "start": {
                     "state": {"V": -66.535, "h": 0.98736, "n": 0.0086276, "x": 0.0772518, "Ca": 0.135619}
                 },
-                "continue": {"parameter": "I", "range": [-0.11, -0.08], "max_points": 100},
+                "continue": {"parameter": "I", "range": [-0.11, -0.08]},
             },
             values=(
                 Value("HB", -0.08920132897297836, 1e-15, FORTY_DIGITS, criticality="supercritical"),
                 Value("LP", -0.086106129332, 1e-11, "AUTO-07p at two meshes", of="orbit"),
+            ),
+            endings=(
+                # Its ten digits are AUTO's at periods of 3e4.
+                Ending("homoclinic", "AUTO-07p at periods of 3e4", -0.0861061912, 5e-11),
             ),
             slow=True,
         ),
