@@ -70,6 +70,7 @@ def folds(role: str) -> Branch:
     )
 
 
+@pytest.mark.slow
 def test_the_curve_of_folds_is_the_one_of_hard_transitions() -> None:
     soft, hard = folds("soft"), folds("hard")
     assert labels(soft) == labels(hard) == ["CPC", *["UZ"] * 4]
@@ -113,6 +114,7 @@ def stopped() -> System:
     return replace(soft, transitions=(*soft.transitions, stop))
 
 
+@pytest.mark.slow
 def test_a_grazing_is_followed_though_its_leg_is_divided_by_soft_transitions() -> None:
     """The curve from the grazing at one frequency has that of another one, found along the force alone."""
     ranges, marks = {"omega": (0.95, 1.25), "force": (0.05, 1.5)}, {"omega": [1.0]}

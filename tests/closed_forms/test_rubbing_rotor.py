@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from hybrid_runs import diagram
 
 from contwalk.system import Mode, Parameter, State, System, Transition
@@ -44,6 +45,7 @@ def rotor() -> System:
     )
 
 
+@pytest.mark.slow
 def test_the_doubled_orbit_joins_two_doublings() -> None:
     given = (rotor(), "w", (1.2735, 1.283), SETTLED)
     parent, doubled = diagram(*given, until="settled", follow=["PD"], max_points=150, direction="up")

@@ -16,6 +16,7 @@ def oregonator(t, x, p, dx):
     dx[1] = x[0] - x[1]
 
 
+@pytest.mark.slow
 def test_a_branch_goes_on_where_a_step_alone_does_not_converge():
     system = small_system(oregonator, "xz", {"f": 0.4, "eps": 0.04, "q": 8e-4})
     s = 1.0 - 0.4 - 8e-4  # x = z at rest: x^2 - s x - (1 + f) q = 0

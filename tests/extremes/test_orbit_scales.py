@@ -129,6 +129,7 @@ class TestStates:
         assert cycle["B"][-1] == 3.0
         assert cycle["period"][-1] == pytest.approx(BRUSSELATOR, rel=WALKING * ACCURACY)
 
+    @pytest.mark.slow
     def test_the_cycle_from_a_simulation(self, declared):
         system = self._system(declared, 3.0)
         problem = cw.PeriodicOrbit(system, system.defaults(), "B")
@@ -189,6 +190,7 @@ def test_an_orbit_that_creeps_past_a_point_where_the_field_nearly_vanishes(lowes
     assert np.all(off <= np.maximum(WALKING * ACCURACY, branch["spectrum_error"]))
 
 
+@pytest.mark.slow
 def test_an_orbit_that_creeps_for_ever_ends_as_homoclinic():
     def field(t, x, p, dx):
         square, rate = x[0] ** 2 + x[1] ** 2, p.a * p.a - x[0]

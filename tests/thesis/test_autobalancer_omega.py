@@ -24,6 +24,7 @@ SPEEDS = [float(row[0]) for row in FIG_6["max_re"]]
 MARKED = (f"mark={{omega: {SPEEDS}}}", "continue.range=[0.2, 6.5]")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "study"), STUDIES)
 def test_special_points_are_those_of_the_reference_and_no_others(name, study):
     expected = sorted((e["label"], float(e["omega"])) for e in study["events"])

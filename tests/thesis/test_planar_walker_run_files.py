@@ -41,6 +41,7 @@ def test_table_and_output_have_the_name_of_the_run_file(name):
     assert run_file.figures
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_run_ends_well_and_draws_its_figures(name, tmp_path):
     overrides = NARROWED.get(name, ())

@@ -131,6 +131,7 @@ class TestGait:
 
 
 class TestTree:
+    @pytest.mark.slow
     def test_one_branch_a_doubling(self):
         branches = slope()
         assert [b.info.problem for b in branches] == ["hybrid_orbit"] * 4

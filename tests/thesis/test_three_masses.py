@@ -93,6 +93,7 @@ def test_region_1_is_unstable_for_all_angles(system):
     assert 0 in set(above["unstable"])
 
 
+@pytest.mark.slow
 def test_regions_of_fig_25_inside_curves_of_hopf_points():
     """Regions 2 and 3 are images of one another: the same loads, each closed; 1 is below a curve."""
     curves = [b for b in figure_run("three_masses_stability_chart") if b.info.settings.get("of") == "HB"]
@@ -132,6 +133,7 @@ def test_map_of_fig_23_is_stable_everywhere():
         assert branch.outcome.status == "complete"
 
 
+@pytest.mark.slow
 def test_loads_from_which_types_2_to_5_exist():
     branches = figure_run("three_masses_load")
     for name, key in (("together", "types_2_5_from_m"), ("opposite", "types_3_4_from_m")):

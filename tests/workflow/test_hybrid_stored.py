@@ -57,6 +57,7 @@ def later(folder: Path, point: str, most: int = 12, extra: str = "") -> list[Bra
 
 
 class TestRestarts:
+    @pytest.mark.slow
     def test_at_the_fold(self, folder):
         """The branch goes both ways from the fold, and finds it again."""
         fold = first(folder)[0].special("LP1")

@@ -29,6 +29,7 @@ def test_it_is_said(tmp_path):
     assert "other end" in branch.outcome.message
 
 
+@pytest.mark.slow
 def test_it_stays_pinned_where_it_stays_neutral(tmp_path):
     values = load_system("walker3d").presets["no_overlap"]
     (branch,) = run_with(tmp_path, f"{{from: no_overlap, to: {{k_y: {1.01 * values['k_y']}}}}}").branches

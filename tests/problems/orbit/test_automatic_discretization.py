@@ -5,6 +5,7 @@ enough, then cuts at times of equal growth.
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from peers.problems import hodgkin_huxley
 from small_systems import labelled, small_problem
 
@@ -84,6 +85,7 @@ def test_what_segments_of_equal_duration_do_not_take_is_cut_where_deviations_gro
     np.testing.assert_array_equal(problem.fitting(found.unknowns(0)).layout.begins, first.mesh.cuts)
 
 
+@pytest.mark.slow
 def test_both_explosions_of_a_nerve_are_passed_by_default():
     """Between them one segment is enough, and would not show how deviations grow in the second one."""
     found, _ = nerve_cycles(0.05, Discretization())
