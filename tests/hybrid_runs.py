@@ -53,6 +53,7 @@ def opened(
     accuracy: float = ACCURACY,
     method: str = "auto",
     scheme: str = "shooting",
+    segments: int | None = None,
     report_event: tuple[str, str] | None = None,
     settings: Settings | None = None,
 ) -> Opening | Outcome:
@@ -67,7 +68,7 @@ def opened(
         np.array(state, dtype=float),
         settings or Settings(),
         discretization=cw.Discretization(
-            accuracy=accuracy, method=method, scheme=scheme, report_event=report_event
+            accuracy=accuracy, method=method, scheme=scheme, segments=segments, report_event=report_event
         ),
         until=until,
         mode=mode,

@@ -118,3 +118,10 @@ def test_both_curves_of_tori_begin_where_states_are_far_larger_than_their_scale(
     assert [seed.label for seed in seeds] == ["NS", "NS"]
     for seed in seeds:
         assert isinstance(begin(seed.problem, seed.z, settings, seed.tangent), ContinuationState)
+    # A curve whose orbits have other segments where it begins than at the point has them as well.
+    cut = branch_of(system, "F", (28.0, 31.0), [x, 0.47 * x], segments=2)
+    elsewhere = cw.continue_locus(system, cut, "PD1", ranges, **FINE, max_points=2)
+    other, _ = reopened(system, elsewhere, 0)
+    assert other.size == problem.size + 2
+    for seed, again in zip(seeds, kind.seeds(other, point), strict=True):
+        assert again.problem.of_orbit(again.z) == pytest.approx(seed.problem.of_orbit(seed.z), rel=1e-6)

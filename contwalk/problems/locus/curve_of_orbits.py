@@ -66,6 +66,13 @@ class CurveOfOrbits:
         """Unknowns of the orbit with the first parameter, shape (N + 1,), of z or of weights like it."""
         return np.append(z[: len(z) - 2 - self.curve.further], z[-1])
 
+    def stored(self, z: np.ndarray) -> tuple[Any, np.ndarray]:
+        """As `OrbitPlane.first`, of a stored solution that may have other segments; `finely` fits the orbit.
+
+        z has the shape (N + k + 2,), the unknowns of the orbit (N + 1,).
+        """
+        return self.plane.on_lines(z)[0], self.of_orbit(z)
+
     def joined(self, own: np.ndarray, like: np.ndarray) -> np.ndarray:
         """Unknowns of the orbit, shape (N,), with what a vector of the curve has beside them."""
         return np.concatenate([own, like[len(like) - 2 - self.curve.further :]])

@@ -103,9 +103,11 @@ def found_beside(
     `born` is asked with the doubled orbits to both sides of the point, and the amplitude to begin at.
     """
     z = np.array(point.unknowns)
-    there, own = problem.plane.first(z)
+    there, own = problem.stored(z)
+    orbit = there.finely(own)
+    weights = np.concatenate([filled_magnitudes(orbit, own)[:-1], problem.weights[-2:]])
     # The borders of the curve's beginning need not fit here.
-    curve = problem.on(there.finely(own), z, problem.weights)
+    curve = problem.on(orbit, z, weights)
 
     def of_doubled(beside: np.ndarray, aside: float) -> Seed | None:
         return born(DoubledOrbits(curve, beside, z[-2:]), AMPLITUDE * aside**0.5)

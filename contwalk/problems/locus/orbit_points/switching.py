@@ -141,7 +141,7 @@ def where_two_cross(
 def _begun(problem: Any, point: SpecialPoint, choose: Any, tangents: Any = None) -> list[Seed]:
     """The curve that `choose` tells of the orbit at a point, begun beside it; at it along `tangents`."""
     z = np.array(point.unknowns)
-    there, own = problem.plane.first(z)
+    there, own = problem.stored(z)
     typical = problem.weights[-2:]
     try:
         orbit = there.finely(own)
