@@ -335,7 +335,10 @@ def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 
         there, z = found
         if abs(there.duration(z) - period) > alike * period:
             continue
-        if not np.allclose(_free(there, z), _free(problem, sample.z), rtol=alike, atol=0.0):
+        # A parameter that is zero along a curve is known to the errors of the others, in the metric.
+        units = weights[-2:] if in_plane else 0.0
+        apart = np.abs(np.subtract(_free(there, z), free := _free(problem, sample.z)))
+        if np.any(apart > alike * np.maximum(np.abs(free), units)):
             continue
         x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
         spatial = [s for s in problem.system.symmetries if s.role == "spatial"]

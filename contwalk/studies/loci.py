@@ -124,8 +124,10 @@ def opened_locus(
         )
     for name, (low, high) in zip(free, settings.bounds.values(), strict=True):
         system.require_parameter(name)
-        if not low <= point.parameters[name] <= high:
-            value = point.parameters[name]
+        value = point.parameters[name]
+        # A point at an end of the range is there to its error.
+        known_to = (point.error or 0.0) if name in branch.info.free else 0.0
+        if not low - known_to <= value <= high + known_to:
             raise StartError(
                 f"{point.name} has {name} = {value:.10g}, outside the range [{low:g}, {high:g}].",
                 "Widen the range, or start from another point.",

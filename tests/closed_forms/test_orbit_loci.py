@@ -163,11 +163,22 @@ class TestMapsAsMachines:
 
     def test_henons_doublings(self):
         ranges = {"alpha": (-3.0, 8.0), "beta": (-1.5, 1.8)}
-        curve = cw.continue_locus(henon(), henon_branch("alpha", -0.5, 3.0), "PD1", ranges, **FINE)
+        branch = henon_branch("alpha", -0.5, 3.0)
+        curve = cw.continue_locus(henon(), branch, "PD1", ranges, **FINE)
         assert largest(curve["alpha"] - 0.75 * (1.0 + curve["beta"]) ** 2) < WALKED
         assert labels(curve) == ["LPPD", "R2"]  # the normal form has a pole at R2, and no zero beside it
         assert_at(curve, "R2", [(3.0, 1.0)])
         assert_at(curve, "LPPD", [(0.0, -1.0)])
+
+    def test_a_point_at_an_end_of_the_range_is_there_to_its_error(self):
+        branch = henon_branch("alpha", -0.5, 3.0)
+        point = branch.special("PD1")
+        high = point.parameters["alpha"] - 0.5 * point.error
+        assert high < point.parameters["alpha"]
+        ranges = {"alpha": (0.5, high), "beta": (-0.5, 1.8)}
+        curve = cw.continue_locus(henon(), branch, "PD1", ranges, **FINE)
+        assert max(curve["beta"]) == pytest.approx(0.3, abs=1e-9)  # all of it is to one side
+        assert min(curve["alpha"]) == 0.5
 
     def test_henons_tori(self):
         """The map preserves areas there: no cubic coefficient, and signs of noise tell no Chenciner point."""
