@@ -11,6 +11,9 @@ import pytest
 from small_systems import labelled, small_system
 
 import contwalk as cw
+from contwalk.continuation.reopening import reopened
+from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import ContinuationState, begin
 
 RANGES = {"mu": (-1.0, 1.0), "nu": (-1.0, 1.0)}
 
@@ -38,13 +41,61 @@ def test_hopf_points_pass_the_double_zero_where_their_own_parameter_stands_still
     assert curve.outcome.reason == "bound"
     assert np.all(curve["nu"] == 0.0)
     assert (curve["mu"].min(), curve["mu"].max()) == RANGES["mu"]
-    for label in ("BT", "BP"):
+    for label, kind in (("BT", "branch point"), ("BP", None)):
         (point,) = labelled(curve, label)
-        assert point.status == "located"
+        assert (point.status, point.kind) == ("located", kind)
         assert abs(point.parameters["mu"]) <= point.errors["mu"] < 1e-30
+        assert not point.coefficients  # it has a normal form of its own
 
 
 def test_branch_points_have_it_as_well(system) -> None:
     curve = followed(system, "mu", "BP1", "nu")
     (point,) = labelled(curve, "BT")
     assert abs(point.parameters["nu"]) <= point.errors["nu"] < 1e-30
+
+
+def test_a_crossing_at_zero_is_left_in_units_that_are_none_of_rounding(system) -> None:
+    """All parameters are zero there, and kappa: what was left of them made a metric, and steps, of 1e-18."""
+    problem = cw.Equilibrium(system, system.defaults() | {"mu": 0.5, "nu": -0.5}, "nu")
+    branch = cw.continue_branch(problem, [0.5**0.5, 0.0], range=RANGES["nu"])
+    curve = cw.continue_locus(system, branch, "HB1", {"nu": RANGES["nu"], "mu": RANGES["mu"]})
+    (point,) = labelled(curve, "BP")
+    there, _ = reopened(system, curve, point)
+    (kind,) = [kind for kind in there.point_types if kind.has(point)]
+    (seed,) = kind.seeds(there, point)
+    state = begin(seed.problem, seed.z, Settings(range=RANGES["nu"], second_range=RANGES["mu"]))
+    assert isinstance(state, ContinuationState)
+    assert state.sample.z[:2] == pytest.approx([0.0, 0.0], abs=1e-15)  # the other curve is of the state zero
+    assert state.sample.z[-1] == pytest.approx(0.0, abs=1e-15)  # nu
+    assert state.sample.weights.min() > 1e-9  # begun a hundredth of a millionth aside
+
+
+def coupled(t, x, p, dx):
+    """Two Brusselators that exchange both species, A = 2, D1 = 0.3 (Lefever & Prigogine 1968)."""
+    for here, there in ((0, 2), (2, 0)):
+        made = x[here] ** 2 * x[here + 1]
+        dx[here] = 2.0 - (p.B + 1.0) * x[here] + made + 0.3 * (x[there] - x[here])
+        dx[here + 1] = p.B * x[here] - made + p.D * (x[there + 1] - x[here + 1])
+
+
+def test_both_curves_of_hopf_points_begin_where_branches_cross() -> None:
+    """The states that are alike have them where the other mode has the trace B - 5.6 - 2 D = 0."""
+    system = small_system(coupled, ["x", "y", "u", "v"], {"B": 4.0, "D": 1.0})
+    problem = cw.Equilibrium(system, system.defaults(), "B")
+    branch = cw.continue_branch(problem, [2.0, 2.0, 2.0, 2.0], range=(3.0, 12.0))
+    ranges = {"B": (3.0, 12.0), "D": (0.05, 10.0)}
+    curve = cw.continue_locus(system, branch, "BP1", ranges)
+    (point,) = labelled(curve, "BT")
+    there, _ = reopened(system, curve, point)
+    (kind,) = [kind for kind in there.point_types if kind.has(point)]
+    seeds = kind.seeds(there, point)
+    settings = Settings(range=ranges["B"], second_range=ranges["D"])
+    begun = sorted(
+        (begin(seed.problem, seed.z, settings).sample.z for seed in seeds), key=lambda z: abs(z[0] - z[2])
+    )
+    assert len(begun) == 2
+    alike, apart = begun
+    # it begins 1e-6 beside the point, where rounding over that distance moves one curve towards the other
+    assert alike[:2] == pytest.approx(alike[2:4], abs=1e-7)
+    assert alike[-1] - 5.6 - 2.0 * alike[-2] == pytest.approx(0.0, abs=1e-7)
+    assert abs(apart[0] - apart[2]) > 1e-3  # a hundredth of a unit aside, not right beside the point

@@ -135,13 +135,23 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         if self.curve.own and not self.curve.pair:
             magnitudes = np.insert(magnitudes, size, np.nan)  # an unfolding is zero; what it is is noise
         elif self.curve.pair:
-            scaled = balanced(self.plane.jacobian(self.in_plane(z))[:, :size])[0]
-            largest = float(np.abs(scaled).max())
-            least = LEAST_KAPPA * largest * largest
-            magnitudes = np.insert(magnitudes, size, max(abs(self.kappa(z)), least))
+            magnitudes = np.insert(magnitudes, size, self._kappa_magnitude(z, magnitudes))
         sizes = np.where(magnitudes > 0.0, np.maximum(magnitudes, np.abs(z)), np.abs(z))
         rows = jacobian[size:]
         return np.concatenate([own, levels + EPSILON * (np.abs(rows) @ sizes) + TINY]), magnitudes
+
+    def _kappa_magnitude(self, z: np.ndarray, magnitudes: np.ndarray) -> float:
+        """Typical magnitude of a pair's kappa at z, shape (N + 1,); `magnitudes` are those of the plane.
+
+        Where all of F_u but a nilpotent part is rounding, balanced units make rounding of the whole.
+        """
+        matrix = self.plane.jacobian(self.in_plane(z))[:, : self.plane.size]
+        own = magnitudes[: self.plane.size]
+        typical = np.where(np.isfinite(own) & (own > 0.0), own, 1.0)
+        balance = float(np.abs(balanced(matrix)[0]).max()) ** 2
+        plain = float(np.abs(matrix * typical / typical[:, None]).max()) ** 2
+        known = max(abs(self.kappa(z)), LEAST_KAPPA * balance)
+        return known if known > EPSILON * plain else LEAST_KAPPA * plain
 
     # -- what is watched -------------------------------------------------------------------------------------
 

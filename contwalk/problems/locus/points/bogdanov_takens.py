@@ -6,18 +6,24 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, DoubleZero
 from contwalk.problems.locus.curves import HOPF_POINTS
 from contwalk.problems.locus.normal_forms import bogdanov_takens_coefficients
-from contwalk.problems.locus.points.persisting import zeros_born
+from contwalk.problems.locus.points.crossing import both_born, located_by_units
+from contwalk.problems.locus.points.persisting import KIND, better, zeros_born
 from contwalk.problems.locus.points.point import LocusPoint, born, located_by
 from contwalk.problems.locus.points.second_zero import second_zero, two_vectors
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 TWO = "double zero"
+# A kappa this small, in the metric, is that of a pair zero; and what tells a point that was located so.
+ROUNDED, CROSSING = 1e-6, "crossing"
+NO_FORM = "no normal form: that of Bogdanov-Takens points is not the one at branch points"
 
 
 class BogdanovTakens(LocusPoint):
@@ -75,16 +81,31 @@ class SecondZeroOnBranchPoints(SecondZero):
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """None: the normal form is that of the symmetry."""
-        return (
-            None,
-            None,
-            {},
-            "no normal form: that of Bogdanov-Takens points is not the one at branch points",
-        )
+        return None, None, {}, NO_FORM
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of Hopf points that ends there."""
-        return born(problem, point, HOPF_POINTS)
+        """The curves of Hopf points that end there, of each of the branches."""
+        return both_born(problem, point, HOPF_POINTS)
+
+
+def _where_curves_cross(problem: Any, sample: Sample) -> Located | None:
+    """The double zero near a sample of a curve of Hopf points at which that of another branch crosses."""
+    try:
+        found = located_by_units(problem, sample)
+    except np.linalg.LinAlgError:
+        return None
+    size = problem.plane.size
+    if found is None or abs(found.z[size]) > ROUNDED * sample.weights[size]:
+        return None
+    return _told(found)
+
+
+def _told(found: Located | None) -> Located | None:
+    """A crossing at which a pair is zero, marked as such, whether refined or not."""
+    if found is None:
+        return None
+    refine = None if found.refine is None else lambda: _told(found.settled())
+    return replace(found, vectors={**found.vectors, CROSSING: True}, refine=refine)
 
 
 class _Bare(LocusPoint):
@@ -101,6 +122,18 @@ class VanishingFrequency(BogdanovTakens):
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of folds, or of branch points."""
         return zeros_born(problem, point)
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The double zero near a sample; where branches cross for good, as a crossing of curves.
+
+        There the conditions of a double zero are singular, for [F_u F_first F_second] is.
+        """
+        return better(sample, super().locate(problem, sample, which), _where_curves_cross(problem, sample))
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The coefficients a and b, where branches do not cross for good."""
+        crossing = located.vectors.get(CROSSING, False)
+        return (KIND, None, {}, NO_FORM) if crossing else super().form(problem, located, sample)
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The square of the frequency."""

@@ -21,12 +21,15 @@ from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems.equilibrium.defining_systems import solve
 from contwalk.problems.locus.bordered import CrossingBorders, Deficient, crossing_borders, deficient
 from contwalk.problems.locus.conditions import BESIDE
+from contwalk.problems.locus.curves import Curve
 from contwalk.problems.locus.plane import solver_of_floats
-from contwalk.problems.locus.points.point import NOTHING, LocusPoint
+from contwalk.problems.locus.points.point import NOTHING, LocusPoint, beside, born, sizes
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 # What differences of slopes leave of a coefficient that is zero.
 FAINT = 1e-6
+# The corners of the bordered equations, in their units, below which a point that is located is a crossing.
+SINGULAR = 1e-6
 
 
 class Crossing(LocusPoint):
@@ -49,17 +52,40 @@ class Crossing(LocusPoint):
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve that crosses, along the tangent that this one does not have."""
-        z = np.array(point.unknowns)
+        z = _place(point, (str(problem.plane.second), problem.free))
         there = problem.at(z)
-        magnitudes = there.linearize(z).magnitudes
-        weights = np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
+        weights = sizes(there, z)
         found = _most_singular(there, z, weights).directions()
         if len(found) < 2:
             return ()
         parent = np.array(point.tangent) / weights
         parent = parent / np.linalg.norm(parent)
         other = min(found, key=lambda t: abs(float((t / weights) @ parent)))
-        return (Seed("BP", z, other, None, there),)
+        return (beside("BP", there, z, other),)
+
+
+def _place(point: SpecialPoint, names: Sequence[str]) -> np.ndarray:
+    """The unknowns of a point, shape (M + 1,), whose last ones are parameters of these names.
+
+    A parameter that is zero to its error is zero: rounding is no typical magnitude.
+    """
+    z = np.array(point.unknowns)
+    known_to = np.array([point.errors.get(name, 0.0) for name in names])
+    z[-len(names) :][np.abs(z[-len(names) :]) <= known_to] = 0.0
+    return z
+
+
+def both_born(problem: Any, point: SpecialPoint, curve: Curve, own: float = 0.0) -> list[Seed]:
+    """The other curve through a special point, or both where two of that kind cross there.
+
+    Between these a direction that solves the linear equations leads to either, and right beside the point.
+    """
+    other, z = problem.other(curve, np.array(point.unknowns), own)
+    if not np.all(np.isfinite(other.linearize(z).jacobian)):
+        return []
+    singular = _most_singular(other, z, sizes(other, z))
+    found = singular.directions() if singular.missed < SINGULAR else []
+    return [beside(curve.of, other, z, t) for t in found] or born(problem, point, curve, own)
 
 
 def located_by_units(problem: Any, sample: Sample) -> Located | None:

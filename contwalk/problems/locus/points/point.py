@@ -47,10 +47,19 @@ def born(problem: Any, point: SpecialPoint, curve: Curve, own: float = 0.0) -> l
     there = other.linearize(z)
     if not np.all(np.isfinite(there.jacobian)):
         return []
-    told = there.magnitudes
-    weights = np.where(np.isfinite(told) & (told > 0.0), told, 1.0)
-    aside = BORN_BESIDE * kernel_direction(there.jacobian, weights)
-    return [Seed(curve.of, z + aside, None, None, other, other_side=z - aside)]
+    return [beside(curve.of, other, z, kernel_direction(there.jacobian, sizes(other, z)))]
+
+
+def beside(label: str, curve: Any, z: np.ndarray, tangent: np.ndarray) -> Seed:
+    """A curve begun a little beside a special point z on it, along a unit tangent; both of shape (N + 1,)."""
+    aside = BORN_BESIDE * tangent
+    return Seed(label, z + aside, None, None, curve, other_side=z - aside)
+
+
+def sizes(curve: Any, z: np.ndarray) -> np.ndarray:
+    """Typical magnitudes at z on a curve, one where nothing tells; both of shape (N + 1,)."""
+    told = curve.linearize(z).magnitudes
+    return np.where(np.isfinite(told) & (told > 0.0), told, 1.0)
 
 
 def located_by(
