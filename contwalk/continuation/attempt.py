@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from contwalk.continuation import kinks_passed
 from contwalk.continuation.newton import Correction, Explanation, correct
@@ -12,6 +12,9 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.problems.kink import Met
 from contwalk.problems.problem import Problem
+
+# Part of a step by which Newton's method begins beside the parameter of a branch point.
+ASIDE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,12 @@ def attempt(problem: Problem, state: ContinuationState, length: float, settings:
         # The branch may turn before the end of the range: along its own tangent it is regular.
         prediction = along(state, length)
         correction = _corrected(problem, state, prediction, settings)
+    sample = state.sample
+    if not correction.ok and sample.orientation == 0.0 and sample.tangent[-1] == 0.0:
+        # Where more than two branches meet, equations may be singular all along one at this parameter.
+        guess = prediction.guess.copy()
+        guess[-1] += ASIDE * length * float(sample.weights[-1])
+        correction = _corrected(problem, state, replace(prediction, guess=guess), settings)
     # Newton's method may fail because it is asked for a solution beyond a jump.
     passed = kinks_passed.between(problem, state, correction.z if correction.ok else prediction.guess)
     return Attempt(length, smallest, prediction, correction, passed)

@@ -30,7 +30,7 @@ from contwalk.continuation.locating import (
     locate_multiple,
 )
 from contwalk.continuation.on_finest_steps import Subsegment, on_finest_steps
-from contwalk.continuation.segment import Segment
+from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.singularity import singularity
 from contwalk.continuation.turns import FLAT, multipliers_tell, only_noise, share_of
 from contwalk.numerics.bracketing import narrow
@@ -203,10 +203,27 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
     if inside:
         return inside
     value, kind = singularity(segment, p, q), kind_of_test(segment.problem, Test.ORIENTATION)
-    found = locate(segment, kind, low, high, lambda t: value(segment.near(t)), 0)
+    try:
+        found = locate(segment, kind, low, high, lambda t: value(segment.near(t)), 0)
+    except LostBranch:  # where more than two branches meet no border is regular
+        if together := _together(segment, low, high):
+            return together
+        raise
     if found is None:
         raise Disagreement(kind, "The orientation changes, but no branch point is found.")
+    if abs(q.unstable - p.unstable) > 1 and kinds_of_test(segment.problem, Test.TOGETHER):
+        several = locate_multiple(segment, found.theta)
+        if several is not None and int(several.located.vectors["multiplicity"]) % 2:
+            return [several]
     return [found]
+
+
+def _together(segment: Segment, low: float, high: float) -> list[Found]:
+    """The point at which an odd number of eigenvalues pass zero at once, if there is one."""
+    if not kinds_of_test(segment.problem, Test.TOGETHER):
+        return []
+    found = _measure_crossings(segment, low, high, [])
+    return [point for point in found if "multiplicity" in point.located.vectors]
 
 
 def _with_folds(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:

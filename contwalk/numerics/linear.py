@@ -278,4 +278,5 @@ def deficiency(jacobian: np.ndarray, weights: np.ndarray) -> Deficiency:
     u, values, vh = np.linalg.svd(jacobian * rows[:, None] * columns)
     v, w = (np.where(np.abs(x) < 1e-13, 0.0, x) for x in (vh[-2:].T, u[:, -1]))
     least = values[-2] if len(values) > 1 else values[0]
-    return Deficiency(float(values[-1] / values[0]), float(least / values[0]), w * rows, v * columns[:, None])
+    largest = float(values[0]) or 1.0  # of a matrix of zeros, as where all eigenvalues vanish
+    return Deficiency(float(values[-1]) / largest, float(least) / largest, w * rows, v * columns[:, None])

@@ -30,18 +30,19 @@ EPSILON = float(np.finfo(float).eps)
 class DefiningSystem:
     """G(U) = 0 with its Jacobian in floats, and G in extended precision.
 
-    `exactly(U)` takes and returns lists of `mpmath` numbers; `scale` holds typical magnitudes of U.
+    `exactly(U)` takes and returns lists of `mpmath` numbers; `scale` holds typical magnitudes of U. Where it
+    is `deficient`, the first so many unknowns are judged; the others are a vector that may turn.
     """
 
     scale: np.ndarray
     residual: Callable[[np.ndarray], np.ndarray]
     jacobian: Callable[[np.ndarray], np.ndarray]
     exactly: Callable[[Sequence[Any]], list[Any]]
-    deficient: bool = False
+    deficient: int | None = None
 
     def factored(self, u: np.ndarray) -> Factored | LeastSquares:
         """The Jacobian at U, shape (n,), ready to be solved with; where `deficient`, by least squares."""
-        return (LeastSquares if self.deficient else Factored)(self.jacobian(u))
+        return (Factored if self.deficient is None else LeastSquares)(self.jacobian(u))
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,8 @@ def newton(system: DefiningSystem, start: np.ndarray, iterations: int = 25) -> n
         if not np.all(np.isfinite(correction)):
             return None
         u = u - correction
-        size = _norm(np.abs(correction), np.maximum(np.abs(u), system.scale))
+        judged = slice(system.deficient)
+        size = _norm(np.abs(correction)[judged], np.maximum(np.abs(u), system.scale)[judged])
         if size < 1e-14:
             return u
         # Quadratic convergence ends in rounding noise: small corrections that no longer shrink are its end.
@@ -99,9 +101,13 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
     """Refine a float solution, shape (n,), with residuals in extended precision."""
     import mpmath
 
+    judged, sizes = slice(system.deficient), list[np.ndarray]()
+
+    def moved(k: int) -> float:
+        return _norm(sizes[k][judged], scale[judged])
+
     with mpmath.workdps(DIGITS):
         exact = [mpmath.mpf(value) for value in u]
-        sizes: list[np.ndarray] = []
         try:
             inverse = system.factored(u)
             for _ in range(passes):
@@ -110,12 +116,12 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
                 exact = [a - b for a, b in zip(exact, correction, strict=True)]
                 sizes.append(np.array([float(abs(c)) for c in correction]))
                 scale = np.maximum(np.array([float(abs(a)) for a in exact]), 1e-16 * system.scale)
-                if np.all(sizes[-1] <= 1e-6 * EPSILON * scale):
+                if np.all(sizes[-1][judged] <= 1e-6 * EPSILON * scale[judged]):
                     break
-                if len(sizes) > 3 and _norm(sizes[-1], scale) > 0.5 * _norm(sizes[-2], scale):
+                if len(sizes) > 3 and moved(-1) > 0.5 * moved(-2):
                     break
         except (np.linalg.LinAlgError, ArithmeticError, ValueError):
-            return _unrefined(u, sizes)
+            return _unrefined(system, u, sizes)
         values = np.array([float(a) for a in exact])
         rounding = np.array([float(abs(a - b)) for a, b in zip(exact, values, strict=True)])
     # What remains of an exact zero is far below anything that the equations can tell from it.
@@ -123,19 +129,21 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
     rounding[nothing] += np.abs(values[nothing])
     values[nothing] = 0.0
     last = sizes[-1]
-    converged = bool(np.all(last <= EPSILON * scale)) or _norm(last, scale) <= 1e-3 * _norm(sizes[0], scale)
+    converged = bool(np.all(last[judged] <= EPSILON * scale[judged])) or moved(-1) <= 1e-3 * moved(0)
     if not converged:
-        return _unrefined(u, sizes)
+        return _unrefined(system, u, sizes)
     # A float cannot be nearer to the truth than half an ulp; the estimate never claims to be.
     floor = 10.0 ** (2 - DIGITS) * system.scale  # the working precision itself
     errors = np.maximum(rounding + 2.0 * last + floor, EPSILON * np.abs(values))
     return Solution(values, exact, errors, refined=True)
 
 
-def _unrefined(u: np.ndarray, sizes: Sequence[np.ndarray]) -> Solution:
+def _unrefined(system: DefiningSystem, u: np.ndarray, sizes: Sequence[np.ndarray]) -> Solution:
     """The float solution U, shape (n,), where corrections of these sizes, (n,) each, did not converge."""
     largest = np.max(sizes, axis=0) if len(sizes) else np.full(len(u), np.inf)
-    return Solution(u, [], np.maximum(MULTIPLE * largest, EPSILON * np.abs(u)), refined=False)
+    nothing = np.abs(u) <= NOTHING * system.scale
+    errors = np.maximum(MULTIPLE * largest, EPSILON * np.abs(u)) + np.where(nothing, np.abs(u), 0.0)
+    return Solution(np.where(nothing, 0.0, u), [], errors, refined=False)
 
 
 def _norm(sizes: np.ndarray, scale: np.ndarray) -> float:

@@ -26,10 +26,13 @@ def test_the_point_is_located_and_the_walk_goes_on(critical):
     opening = opened(system, parameters, "lam", np.zeros(2), settings)
     made = Diagram([Start(system, "lam", parameters, opening, "start")], Plan(settings, depth=1))
     assert list(made.events())
-    (branch,) = made.branches
+    branch, *others = made.branches
     (point,) = labelled(branch, "LP", "BP", "HB")
     assert (point.label, point.status, point.unstable_before, point.unstable_after) == ("BP", "located", 0, 2)
     # Known to more digits than a float has.
     assert point.parameters["lam"] == pytest.approx(critical, rel=2.3e-16, abs=1e-30)
     assert "2 real eigenvalues vanish together" in point.note
     assert [p.kind for p in labelled(branch, "EP")] == ["bound", "bound"]
+    # Either state alone, and both alike: 0.8 x - 1.08 x < 0 in both equations, up or down in either.
+    assert len(others) == 4
+    assert all(other.outcome.reason == "bound" for other in others)

@@ -59,7 +59,8 @@ def solve(
         moved = np.abs(solution.values - found) if solution.refined else solution.errors
         moved = moved / np.maximum(np.abs(found), system.scale)
         # Refinement that ends elsewhere, or nowhere near, has left the neighbourhood of Newton's solution.
-        return None if np.max(moved[:-1] if unfolds else moved) > LEFT else described(solution)
+        judged = moved[: -1 if unfolds else system.deficient]
+        return None if np.max(judged) > LEFT else described(solution)
 
     return replace(located, refine=refined)
 
@@ -122,7 +123,7 @@ def real_eigenvalue(
         return [*problem.kernels.residual.exactly(*inputs), *product, dot(c, v[:m]) - 1]
 
     scale = np.concatenate([sample.weights, np.full(m, 1.0)])
-    system = DefiningSystem(scale, residual, jacobian, exactly, deficient)
+    system = DefiningSystem(scale, residual, jacobian, exactly, size + 1 if deficient else None)
 
     def described(found: Solution) -> Located:
         vectors = {"right": found.values[size + 1 :], "exact": found.exact}

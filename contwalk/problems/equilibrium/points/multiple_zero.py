@@ -5,6 +5,7 @@ The equations are those of a fold; their Jacobian is deficient, since v may turn
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,11 +15,14 @@ from contwalk.numerics.linear import balanced
 from contwalk.problems.equilibrium.defining_systems import VANISHED, real_eigenvalue
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.equilibrium.several_directions import leaving
+from contwalk.problems.problem import Located, Sample, Seed, Test
+
+_UNKNOWN = "more than two branches may meet here; the other ones are not followed"
 
 
 class MultipleZero(EquilibriumPoint):
-    """More than two branches may meet there; only the one that is followed is known."""
+    """More than two branches may meet there."""
 
     label, test, singular, daughters = "BP", Test.TOGETHER, True, 1
 
@@ -31,13 +35,19 @@ class MultipleZero(EquilibriumPoint):
         return near.tangent
 
     def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
-        """How many eigenvalues vanish."""
-        coefficients = {"multiplicity": located.vectors["multiplicity"]}
-        note = (
-            f"{located.vectors['multiplicity']} real eigenvalues vanish together: more than two branches "
-            "may meet here; the other ones are not followed"
-        )
-        return None, None, coefficients, note
+        """How many eigenvalues vanish, and how many branches leave."""
+        many = located.vectors["multiplicity"]
+        found = leaving(problem, located.z, located.error, sample.tangent, many)
+        others = f"{len(found)} other branches leave" if found else _UNKNOWN
+        note = f"{many} real eigenvalues vanish together: {others}"
+        return None, None, {"multiplicity": many}, note
+
+    def seeds(self, problem: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
+        """All branches that leave."""
+        z, parent = np.array(point.unknowns), np.array(point.tangent)
+        many, error = int(point.coefficients["multiplicity"]), point.error or 0.0
+        found = leaving(problem, z, error, parent, many) or ()
+        return [Seed("BP", z, each.tangent, each.reach, problem) for each in found]
 
     def has(self, point: SpecialPoint) -> bool:
         """A branch point with a multiplicity."""
