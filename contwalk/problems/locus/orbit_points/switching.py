@@ -31,12 +31,12 @@ DIFFERENCE = 1e-4
 def born(problem: Any, point: SpecialPoint, label: str, cosine: float | None = None) -> list[Seed]:
     """The curve of folds, doublings or tori through a point; of tori with (mu + 1/mu) / 2 there.
 
-    Half a symmetric orbit is not doubled: there the whole loses the symmetry.
+    Half a symmetric orbit is not doubled: there the whole loses the symmetry. So it is of any even part.
     """
     further = np.zeros(0) if cosine is None else np.array([cosine])
 
     def curve(there: Any, near: At) -> tuple[OrbitCurve, np.ndarray]:
-        half = label == "PD" and there.rounds > 1
+        half = label == "PD" and there.rounds % 2 == 0
         return SymmetryBreakings() if half else CURVES[label], further
 
     return _begun(problem, point, curve)

@@ -1,6 +1,7 @@
 """Points at which a multiplier is -1: the segments' derivatives, closed by -1, are singular.
 
-The orbit is doubled (PD); of half a symmetric orbit, its whole loses the symmetry (BP).
+The orbit is doubled (PD); of half a symmetric orbit, its whole loses the symmetry (BP). So it is of any part
+that an even number make a whole of; of an odd number of parts the whole has the multiplier -1 as well.
 
 In an explosion of cycles other steps have the multiplier elsewhere along the branch, by far more than an
 augmented system is solved for: the point is then where F = 0 and that multiplier is -1, along the branch.
@@ -52,9 +53,9 @@ class FlatDoubling(_Flip):
         return along_branch(problem, sample, self.multiplier)
 
     def tells(self, problem: OrbitData, sample: Sample, which: int) -> bool:
-        """A negative multiplier of a whole orbit."""
+        """A negative multiplier of a whole orbit, or of an odd part of one."""
         value = sample.eigenvalues[which]
-        return bool(value.imag == 0.0 and value.real <= 0.0 and problem.rounds == 1)
+        return bool(value.imag == 0.0 and value.real <= 0.0 and problem.rounds % 2)
 
     def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """The cubic coefficient, and the side to which the doubled orbit leaves."""
@@ -86,9 +87,9 @@ class SymmetryBreaking(_Flip):
     label, singular = "BP", True
 
     def tells(self, problem: OrbitData, sample: Sample, which: int) -> bool:
-        """A negative multiplier of half an orbit."""
+        """A negative multiplier of half an orbit, or of another even part."""
         value = sample.eigenvalues[which]
-        return bool(value.imag == 0.0 and value.real <= 0.0 and problem.rounds > 1)
+        return bool(value.imag == 0.0 and value.real <= 0.0 and problem.rounds % 2 == 0)
 
     def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """As of a doubling; of the whole orbit it is a pitchfork."""
