@@ -182,7 +182,10 @@ def _persists(problem: Any, state: ContinuationState) -> bool:
     sample = state.sample
     for side in (state.step, -state.step):
         guess = sample.z + side * sample.tangent
-        beside = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
+        try:
+            beside = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
+        except outcomes.BREAKDOWNS:
+            return True  # then the walk tells
         if beside.ok and not problem.diagnosis.unfolded(beside.z):
             return True
         if not beside.ok:  # then the walk tells

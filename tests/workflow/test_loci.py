@@ -12,8 +12,9 @@ import pytest
 from demo_ab import AB
 
 import contwalk as cw
-from contwalk.errors import ContwalkError
+from contwalk.errors import ContwalkError, NotFinite
 from contwalk.storage.document import document
+from contwalk.studies import loci as studies_of_loci
 from contwalk.workflow import runner
 from contwalk.workflow.run_file.reading import read_run_file
 
@@ -335,3 +336,14 @@ def test_that_there_was_no_curve_is_no_longer_said_when_there_is_one(tmp_path):
         with cw.open_database(tmp_path / "fold.h5") as database:
             notes.append((runner.NO_CURVE in told.notes, "loci" in database.notes()))
     assert notes == [(True, True), (False, False)]
+
+
+def test_a_start_beside_which_equations_have_no_value_does_not_end_the_run(place, monkeypatch):
+    """What is beside it is asked of the walk: the curves from the other starts are walked all the same."""
+
+    def valueless(*_: object) -> None:
+        raise NotFinite("the equations have no value there")
+
+    monkeypatch.setattr(studies_of_loci, "correct", valueless)
+    result = computed(place, "two", output="valueless.h5", figures=False)
+    assert [branch.info.settings["of"] for branch in result.branches] == ["HB", "LP"]
