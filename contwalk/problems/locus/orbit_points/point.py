@@ -106,6 +106,16 @@ _CUBIC = "the terms of third order of its normal form, which tell what is born b
 LEFT_OUT = {"LPPD": _CUBIC, "LPNS": _CUBIC}
 
 
+def alone(sample: Sample, which: int) -> bool:
+    """Whether a complex multiplier has no conjugate among those of a sample.
+
+    Where a second real one meets that of a curve, rounding makes a pair of both, and one of the pair is the
+    curve's own.
+    """
+    value = complex(sample.eigenvalues[which])
+    return value.imag != 0.0 and value.conjugate() not in [complex(v) for v in sample.eigenvalues]
+
+
 def known_to(problem: Any) -> float:
     """What multipliers, and what is made of them, are known to on the steps of a curve."""
     mesh = problem.mesh

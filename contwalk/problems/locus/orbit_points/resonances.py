@@ -14,6 +14,7 @@ from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.point import (
     Form,
     OrbitLocusPoint,
+    alone,
     known_to,
     near_of,
     together,
@@ -120,9 +121,10 @@ class SecondMultiplier(OrbitLocusPoint):
     multiplier: ClassVar[float]
 
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:
-        """A real multiplier of the same sign."""
+        """A real multiplier of the same sign, which may have met the curve's own."""
         value = sample.eigenvalues[which]
-        return bool(value.imag == 0.0 and value.real * self.multiplier > 0.0)
+        real = value.imag == 0.0 or alone(sample, which)
+        return bool(real and value.real * self.multiplier > 0.0)
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """A pair of multipliers whose mean is there, in place of the curve's own condition."""

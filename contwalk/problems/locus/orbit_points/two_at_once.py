@@ -17,6 +17,7 @@ from contwalk.problems.locus.orbit_points import tangency
 from contwalk.problems.locus.orbit_points.point import (
     Form,
     OrbitLocusPoint,
+    alone,
     known_to,
     near_of,
     together,
@@ -51,6 +52,8 @@ class TwoAtOnce(OrbitLocusPoint):
 
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:
         """A multiplier as the other curve holds it, where something bifurcates on this one."""
+        if alone(sample, which):  # it is one with the curve's own
+            return False
         value = complex(sample.eigenvalues[which])
         told = "NS" if value.imag != 0.0 else "LP" if value.real > 0.0 else "PD"
         return told == self.other and problem.curve.genuine(problem.further(sample.z))
