@@ -53,7 +53,7 @@ def attempt(problem: Problem, state: ContinuationState, length: float, settings:
     correction = _corrected(problem, state, prediction, settings)
     if prediction.to_bound and not correction.ok:
         # The branch may turn before the end of the range: along its own tangent it is regular.
-        prediction = along(state, length, settings)
+        prediction = along(state, length)
         correction = _corrected(problem, state, prediction, settings)
     sample = state.sample
     if not correction.ok and sample.orientation == 0.0 and sample.tangent[-1] == 0.0:

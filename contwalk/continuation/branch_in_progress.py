@@ -11,7 +11,7 @@ import numpy as np
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named, narrowed
 from contwalk.continuation import outcomes
 from contwalk.continuation.opening import Opening
-from contwalk.continuation.rows import last_place
+from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.errors import DatabaseError
@@ -180,7 +180,11 @@ def resumed(
             outcome = outcomes.restored(end, outcomes.goes_on(problem.point_types, end, events))
             work.outcomes.append((sign, outcome))
             continue
-        places[sign] = last_place(problem, list(kept), sign, born)
+        side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]
+        if len(side):
+            places[sign] = from_row(problem, side[-1], sign, born)
+        else:
+            places[sign] = from_row(problem, kept[0], sign, born)
     return places, points
 
 

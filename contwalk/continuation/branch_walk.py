@@ -26,7 +26,7 @@ from contwalk.continuation.marks import Observer, marks_at, observer_of, place_e
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import End, walk
 from contwalk.continuation.records import start_record
-from contwalk.continuation.rows import from_row, last_place, to_row
+from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.standing_still import with_what_stands_still
 from contwalk.labels import END, RANGES
 from contwalk.problems.problem import Mirror, Problem, Sample
@@ -178,9 +178,9 @@ class BranchWalk:
                 ended = yield from self._imaged(mirror, problem, work)
                 if ended:
                     continue
-                if any(row["s"][0] < 0.0 for row in work.rows):
-                    rows = [row[0] for row in work.rows]
-                    place = last_place(problem, rows, sign, work.info.parent is not None)
+                side = [row[0] for row in work.rows if row["s"][0] < 0.0]
+                if side:
+                    place = from_row(problem, side[-1], sign, work.info.parent is not None)
             yield from self._direction(problem, work, place, sign, observer)
         yield from self._closed_alone(work)
 

@@ -72,7 +72,7 @@ def is_parabola(a: Sample, z: np.ndarray, tangent: np.ndarray) -> bool:
 def next_step(length: float, angle: float, iterations: int, settings: Settings) -> float:
     """Step length from curvature (half the largest angle is aimed at) and from the corrector's effort."""
     by_angle = 0.5 * settings.max_angle / max(angle, 1e-3)
-    by_effort = {0: 2.0, 1: 2.0, 2: 1.6, 3: 1.4}.get(iterations, 0.7)
+    by_effort = {0: 2.0, 1: 2.0, 2: 1.5, 3: 1.2}.get(iterations, 0.7)
     return float(
         np.clip(
             length * np.clip(min(by_angle, by_effort), DECAY, GROWTH), settings.min_step, settings.max_step

@@ -118,16 +118,6 @@ def _check_apart(segment: Segment, found: list[Found]) -> None:
             raise Disagreement(other.type, f"What two tests see is one point {other.label}.")
 
 
-def calm(a: Sample, b: Sample) -> bool:
-    """Whether no test that compares neighbouring solutions tells anything between two."""
-    return bool(
-        a.orientation * b.orientation > 0.0
-        and a.tangent[-1] * b.tangent[-1] > 0.0
-        and a.unstable == b.unstable
-        and np.array_equal(a.margins > 0.0, b.margins > 0.0)
-    )
-
-
 def at_the_end(segment: Segment) -> list[Found]:
     """A bifurcation that the end of a segment itself is, where a walk stops and cannot look beyond it."""
     b = segment.b

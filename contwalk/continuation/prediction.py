@@ -1,8 +1,7 @@
-"""Where a step is to end: ahead as the last one went, or at an end of the range that lies before that."""
+"""Where a step is to end: along the tangent, or at an end of the range that lies before that."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,6 @@ import numpy as np
 from contwalk.continuation import control
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
-from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Sample
 
 
@@ -35,32 +33,18 @@ def predict(state: ContinuationState, length: float, settings: Settings) -> Pred
     length = min(length, control.longest(sample, settings))
     left, place, bound = nearest_bound(sample, settings)
     if left > 1.001 * length:  # a remainder of a thousandth of a step is not left over
-        return along(state, length, settings)
-    guess = _ahead(state, left, settings)
+        return along(state, length)
+    guess = sample.z + left * sample.tangent
     guess[place] = bound
     normal = np.zeros(len(guess))
     normal[place] = 1.0 / sample.weights[place]
     return Prediction(guess, normal, left, place)
 
 
-def along(state: ContinuationState, length: float, settings: Settings) -> Prediction:
-    """The point at `length` along the tangent, on the cubic through the last two points with theirs."""
+def along(state: ContinuationState, length: float) -> Prediction:
+    """The point at `length` along the tangent."""
     sample = state.sample
-    return Prediction(_ahead(state, length, settings), sample.tangent / sample.weights**2, length)
-
-
-def _ahead(state: ContinuationState, length: float, settings: Settings) -> np.ndarray:
-    """The place at `length` along the tangent, beside it by what the cubic of the last step leaves it.
-
-    Where the cubic turns by more than a step may, as after a corner, it counts as one that turns so far.
-    Shape (N + 1,).
-    """
-    step = length * state.sample.tangent
-    if state.arc is None:
-        return state.sample.z + step
-    bend, most = state.arc.beyond(step), 0.5 * length * math.radians(settings.max_angle)
-    size = norm_in(bend, state.sample.weights)
-    return state.sample.z + step + (bend if size <= most else bend * (most / size))
+    return Prediction(sample.z + length * sample.tangent, sample.tangent / sample.weights**2, length)
 
 
 def nearest_bound(sample: Sample, settings: Settings) -> tuple[float, int, float]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator, Iterator
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.records import end_record, found_record
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import ContinuationState, adapted, examined, grown, last_arc
+from contwalk.continuation.state import ContinuationState, adapted, grown
 from contwalk.continuation.step import Step, take_step
 from contwalk.errors import ContwalkError, NotFinite
 from contwalk.problems.parents import SymmetriesLost
@@ -76,13 +75,13 @@ def walk(
         while True:
             closed: float | None = None
             slid = False
-            before, spent = state, _effort(problem)
+            before = _effort(problem)
             if outcome := _finished(problem, state, number, points, settings, observer):
                 back = _back(problem, state, settings, sign, outcome)
                 if back is None:
                     break
                 problem, state = back
-                state = replace(state, sample=_with_effort(problem, state.sample, spent))
+                state = replace(state, sample=_with_effort(problem, state.sample, before))
             else:
                 step = take_step(problem, state, settings, observer)
                 if isinstance(step, Outcome):
@@ -102,8 +101,8 @@ def walk(
                         yield End(outcome, end_record(problem, place, outcome, sign, point=record))
                         return
                 slid = _slid(lost, step)
-                state = _arrived(problem, step, state, sign, settings, spent, origin.sample)
-            problem, state, point = yield from _taken_up(problem, before, state, settings)
+                state = _arrived(problem, step, state, sign, settings, before, origin.sample)
+            problem, state, point = yield from _taken_up(problem, state, settings)
             number += 1
             if slid:
                 outcome = outcomes.slid_onto_parent(observer.line.free, state.sample.parameter)
@@ -123,14 +122,11 @@ def walk(
     bound = _bound(state, settings, observer) if outcome.reason == "bound" else None
     if point[1].s == state.s and not np.array_equal(point[1].sample.z, state.sample.z):
         problem, state = point  # what follows would have begun elsewhere on the orbit: the end is the point
-    else:  # as a walk that is taken up there tells it
-        with suppress(*outcomes.BREAKDOWNS):
-            state = replace(state, sample=examined(problem, state.sample))
     yield End(outcome, end_record(problem, state, outcome, sign, bound=bound))
 
 
 def _taken_up(
-    problem: Problem, before: ContinuationState, state: ContinuationState, settings: Settings
+    problem: Problem, state: ContinuationState, settings: Settings
 ) -> Generator[Point, None, tuple[Problem, ContinuationState, tuple[Problem, ContinuationState]]]:
     """A point on the steps, or with the borders, for what follows it; and as it was told, on its own."""
     try:
@@ -150,7 +146,7 @@ def _taken_up(
         point = problem, state
         yield Point(state)
         problem, sample = adapted(problem, sample)
-    return problem, replace(state, sample=sample, arc=last_arc(before, state)), point
+    return problem, replace(state, sample=sample), point
 
 
 def _leaves_an_end(before: Sample, after: Sample, settings: Settings) -> bool:

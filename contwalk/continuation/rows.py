@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from contwalk.branch import BranchInfo, SpecialPoint
-from contwalk.continuation.state import ContinuationState, adapted, last_arc
+from contwalk.continuation.state import ContinuationState, adapted
 from contwalk.problems.problem import Problem, at_stored
 
 
@@ -60,41 +58,14 @@ def _singular(problem: Problem, point: SpecialPoint) -> bool:
     return any(kind.singular for kind in problem.point_types if kind.label == point.label)
 
 
-def last_place(
-    problem: Problem, rows: Sequence[np.void], sign: float, born: bool
-) -> tuple[Problem, ContinuationState]:
-    """The place of a walk that has stored `rows`, as `from_row` has it, with the step that has led there.
-
-    The rows are those of a branch, its start the first; those of special points and of the other direction
-    are passed over.
-    """
-    start, *others = rows
-    own = [start, *(row for row in others if row["s"] * sign > 0.0 and not row["special"])]
-    problem, state = from_row(problem, own[-1], sign, born)
-    if len(own) == 1:
-        return problem, state
-    end = replace(state, sample=state.sample.varied(**_solution_of(own[-1], sign)))
-    return problem, replace(state, arc=last_arc(from_row(problem, own[-2], sign, born)[1], end))
-
-
-def _solution_of(row: np.void, sign: float) -> dict[str, Any]:
-    """What a row has of a sample: solution, its error, tangent along the walk, and weights."""
-    size = int(np.sum(np.isfinite(row["unknowns"])))
-    return {
-        "z": np.append(row["unknowns"][:size], row["free"][0]),
-        "tangent": sign * np.array(row["tangent"][: size + 1]),
-        "weights": np.array(row["weights"][: size + 1]),
-        "error": float(row["error"]),
-    }
-
-
 def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[Problem, ContinuationState]:
     """The place that a stored row was made from, facing along the walk, and the problem discretised for it.
 
     `born` is whether the branch begins at a branch point.
     """
-    stored = _solution_of(row, sign)
-    z, tangent, weights = stored["z"], stored["tangent"], stored["weights"]
+    size = int(np.sum(np.isfinite(row["unknowns"])))
+    z = np.append(row["unknowns"][:size], row["free"][0])
+    weights, tangent = np.array(row["weights"][: size + 1]), sign * np.array(row["tangent"][: size + 1])
     problem = at_stored(problem, z, weights)
     sample = problem.examine(z, tangent, weights, problem.linearize(z), int(row["unstable"]))
     count = int(row["unstable"]) - sample.held_unstable

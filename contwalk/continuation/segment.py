@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.continuation.newton import Correction, correct
-from contwalk.continuation.state import examined
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Problem, Sample
@@ -98,12 +97,6 @@ class Segment(HermiteCurve):
         found, linearization = self._corrected(problem, self.at(theta).z)
         tangent = self.tangent(linearization)
         return found.problem.examine(found.z, tangent, self.weights, linearization, None)
-
-    def examined(self) -> Segment:
-        """The same with both ends as its own equations tell them, where the first is known from others."""
-        other = Segment(self.problem, examined(self.problem, self.a), self.b)
-        other._known = {**self._known, 0.0: other.a}
-        return other
 
     def until(self, theta: float) -> Segment:
         """The part of the segment before theta."""

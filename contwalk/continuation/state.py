@@ -11,14 +11,11 @@ from contwalk.continuation.initial_scales import initial_magnitudes, later_magni
 from contwalk.continuation.metric import UNKNOWN, crowded, parameter_weight, updated
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.settings import Settings
-from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import kernel_direction, norm_in
 from contwalk.problems.problem import Problem, Sample
 
 # A magnitude this many times an unknown's size and how far it moves is none.
 FAR = 100.0
-# Part of its chord by which the arclength of a step may differ from it: rounding of the sum.
-ONE_STEP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -26,13 +23,12 @@ class ContinuationState:
     """What is needed to go on from a point of a branch, and nothing else.
 
     `s` is the signed arclength, `step` the length of the next step. The sample's tangent points the way to
-    go. `arc` is the last step, along which the next one is predicted; None where none is known.
+    go.
     """
 
     sample: Sample
     s: float
     step: float
-    arc: HermiteCurve | None = None
 
     def at_bound(self, settings: Settings) -> bool:
         """Whether this is an end of a range, facing out of it."""
@@ -46,22 +42,6 @@ class ContinuationState:
             if (value >= high and ahead > 0) or (value <= low and ahead < 0):
                 return place
         return None
-
-
-def last_arc(before: ContinuationState, there: ContinuationState) -> HermiteCurve | None:
-    """The step between two places that follow each other; None where the unknowns mean something else since,
-    or where it is shorter than what its end is known to: how that bends is noise.
-
-    Whether they mean the same is told by the arclength: along one step it grows by the length of the chord.
-    So a stored branch tells it too. `there` is the point as it was told, before steps were made anew for it.
-    """
-    a, b = before.sample, there.sample
-    if len(a.z) != len(b.z):
-        return None
-    arc = HermiteCurve((a.z, b.z), (a.tangent, b.tangent), a.weights)
-    apart = abs(abs(there.s - before.s) - arc.length)
-    known = arc.length > 0.0 and not b.error >= arc.length  # an error that nobody knows is none
-    return arc if known and apart <= ONE_STEP * arc.length else None
 
 
 def begin(
@@ -142,13 +122,8 @@ def turned(state: ContinuationState) -> ContinuationState:
     return replace(state, sample=back)
 
 
-def examined(problem: Problem, sample: Sample) -> Sample:
-    """A sample as the problem's own equations tell it, with the count that it had on others."""
-    return sample if problem.anchored is None else problem.anchored.examined(sample).counted(sample.unstable)
-
-
 def adapted(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
-    """The problem discretised anew for the next step, and the sample for it, with the count that it had.
+    """The problem discretised anew for the next step, and the sample on it, with the count that it had.
 
     A count that changed here would change between two steps, where nothing looks for a special point.
     """

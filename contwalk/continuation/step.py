@@ -10,7 +10,7 @@ from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
 from contwalk.continuation.attempt import Attempt, Refusal, attempt
 from contwalk.continuation.back_at_parent import WentOver, back_at_parent
-from contwalk.continuation.detection import at_the_end, calm
+from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.locating import Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.newton import Correction, Explanation, text_of
@@ -18,7 +18,7 @@ from contwalk.continuation.points_before_limits import COINCIDE, everything, eve
 from contwalk.continuation.prediction import Prediction, nearest_bound, towards_a_bound
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import ContinuationState, examined
+from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.turns import at_branch_point
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import norm_in
@@ -134,36 +134,6 @@ def _taken(
     if search.parabolas and segment.b.error > BLURRED * length:
         raise _Blurred("Where the step ends is not known beside its length.")
     segment = kinks_passed.with_kinks(segment, attempted.passed)
-    # At a branch point what is told of its first end is that of right beside it.
-    if segment.problem.anchored is not None and state.sample.orientation != 0.0:
-        if calm(segment.a, segment.b):
-            step = _calm_step(segment, attempted, state, settings, observer)
-            if step is not None:
-                return step
-        segment = segment.examined()
-    return _tested(segment, attempted, state, settings, observer)
-
-
-def _calm_step(
-    segment: Segment, attempted: Attempt, state: ContinuationState, settings: Settings, observer: Observer
-) -> Step | None:
-    """A step on which nothing happens; None where something may.
-
-    Its first end is as it was told when the last step arrived there, on other steps. Whatever is told of a
-    segment takes both its ends on the same ones.
-    """
-    try:
-        step = _tested(segment, attempted, state, settings, observer)
-    except (TooLong, LostBranch):
-        return None
-    return step if isinstance(step, Step) and not step.found else None
-
-
-def _tested(
-    segment: Segment, attempted: Attempt, state: ContinuationState, settings: Settings, observer: Observer
-) -> Step | Outcome:
-    """The step that a segment is, with all that tests tell on it, or how the branch ends there."""
-    prediction, smallest, length = attempted.prediction, attempted.smallest, attempted.length
     outcome = segment.problem.diagnosis.ended(segment.a, segment.b)
     if outcome and not (outcome.reason == "unbounded" and towards_a_bound(segment.b, settings)):
         if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
@@ -251,7 +221,8 @@ def _segment(
             "A finer `accuracy` may tell them apart."
         )
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
-    if a.orientation != 0.0 and problem.meshed is not None and _suddenly_unknown(problem, a, there):
+    suddenly = problem.meshed is not None and there.error > max(1.0, SUDDENLY * a.error)
+    if suddenly and a.orientation != 0.0:
         raise TooLong("What is found there is not known to its own size.")
     segment = Segment(problem, a, there.varied(iterations=correction.iterations))
     if not smallest and branch_jumps.jumped(segment, correction.iterations):
@@ -261,13 +232,6 @@ def _segment(
         return segment
     beside = _beside(segment)
     return Segment(segment.problem, beside, segment.b)
-
-
-def _suddenly_unknown(problem: Problem, a: Sample, there: Sample) -> bool:
-    """Whether a solution is known far worse than its neighbour is on the same steps, and not to its size."""
-    if not there.error > max(1.0, SUDDENLY * a.error):
-        return False
-    return there.error > SUDDENLY * examined(problem, a).error
 
 
 def _tangent(a: Sample, linearization: Linearization) -> np.ndarray:

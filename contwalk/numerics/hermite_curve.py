@@ -61,18 +61,6 @@ class HermiteCurve:
         z = ends + t * r * r * scale_a * self.tangents[0] - t * t * r * scale_b * self.tangents[1]
         return z + (theta - self.position(z)) * self.chord
 
-    def beyond(self, step: np.ndarray) -> np.ndarray:
-        """How far the cubic leaves a step from its second end along its tangent there, across that tangent.
-
-        Both have the shape (N + 1,).
-        """
-        first, last = (tangent / norm_in(tangent, self.weights) for tangent in self.tangents)
-        over, share = self.chord / self.length, norm_in(step, self.weights) / self.length
-        second, third = 4.0 * last + 2.0 * first - 6.0 * over, first + last - 2.0 * over
-        bend = self.length * share**2 * (0.5 * second + share * third)
-        along = float(last / self.weights**2 @ bend)
-        return bend - along * last
-
     def direction(self, theta: float) -> np.ndarray:
         """Derivative of the interpolation by theta, shape (N + 1,).
 

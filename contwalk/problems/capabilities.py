@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, Protocol, Self
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -17,24 +17,6 @@ from contwalk.problems.kink import Kink, Met
 from contwalk.problems.located import Located
 from contwalk.problems.parents import gained_symmetry, kept_symmetry
 from contwalk.problems.sample import Sample
-
-
-class Anchored(Protocol):
-    """What problems have whose equations are made for a place: its mesh, or the borders of a matrix."""
-
-    def adapted(self, sample: Sample) -> tuple[Any, Sample]:
-        """The problem made anew for what follows a solution, and the solution's sample for it: what it tells
-        may still be what it told on the steps before.
-        """
-        ...
-
-    def examined(self, sample: Sample) -> Sample:
-        """What is watched at a solution, by the equations of this place."""
-        ...
-
-    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Any:
-        """The problem for a solution that is taken up again. z and weights have the shape (N + 1,)."""
-        ...
 
 
 class OwnMeasures:
@@ -77,10 +59,6 @@ class OwnPlace:
     def anchored(self) -> Self:
         """An instance is one mesh, or has borders of one place."""
         return self
-
-    def examined(self, sample: Sample) -> Sample:
-        """What is watched at a solution: its sample is one of these equations."""
-        return sample
 
 
 class OwnMesh(OwnPlace):

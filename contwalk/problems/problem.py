@@ -22,7 +22,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.problems.capabilities import Anchored, Diagnosis, Equivalence, Mirror, Observed
+from contwalk.problems.capabilities import Diagnosis, Equivalence, Mirror, Observed
 from contwalk.problems.linearization import Linearization
 from contwalk.problems.located import Located
 from contwalk.problems.parameter_line import ParameterLine
@@ -246,6 +246,18 @@ class Limited(Protocol):
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         """The branches beyond a limit, and in words what was found, or tried."""
+        ...
+
+
+class Anchored(Protocol):
+    """What problems have whose equations are made for a place: its mesh, or the borders of a matrix."""
+
+    def adapted(self, sample: Sample) -> tuple[Problem, Sample]:
+        """The problem made anew for what follows a solution, and the solution's sample on it."""
+        ...
+
+    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Problem:
+        """The problem for a solution that is taken up again. z and weights have the shape (N + 1,)."""
         ...
 
 

@@ -165,9 +165,6 @@ def _hybrid(
         return _hybrid(shorter, z, settings, settled)
     try:
         adapted, sample = problem.adapted(state.sample)
-        # On the steps of the branch everything is told anew: those of the start were made for a guess.
-        there = adapted.linearize(sample.z)
-        sample = adapted.examine(sample.z, sample.tangent, sample.weights, there, sample.unstable)
     except np.linalg.LinAlgError:
         return outcomes.no_start(
             "no_convergence",
@@ -175,6 +172,10 @@ def _hybrid(
             f"where nothing changes a state. (itinerary: {itinerary})",
             "a periodic orbit",
         )
+    # On the steps of the branch everything is told anew: those of the start were made for a guess.
+    sample = adapted.examine(
+        sample.z, sample.tangent, sample.weights, adapted.linearize(sample.z), sample.unstable
+    )
     lost = [problem.limits[k].name for k in np.flatnonzero(sample.margins < -NO_MARGIN)]
     message = unused_symmetries(problem, state.sample.z)
     if settled and sample.unstable:

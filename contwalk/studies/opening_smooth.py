@@ -86,7 +86,6 @@ def _closed(problem: PeriodicOrbit, state: ContinuationState, settings: Settings
                 "only that part is integrated."
             )
     adapted, sample = problem.adapted(state.sample)
-    sample = adapted.examined(sample)
     if np.array_equal(sample.z, state.sample.z):  # what was solved, not what the next steps see of it
         sample = replace(sample, excess=state.sample.excess)
     return Opening(adapted, ContinuationState(sample, state.s, state.step), message)

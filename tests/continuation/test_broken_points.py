@@ -98,9 +98,6 @@ def test_a_walk_that_breaks_off_keeps_what_it_has(monkeypatch, error, reason):
                 raise error
             return self.problem, sample
 
-        def examined(self, sample):
-            return sample
-
         def at_stored(self, z, weights):
             return self.problem
 

@@ -4,7 +4,6 @@ there, where nothing looks for a special point."""
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -37,11 +36,9 @@ class Remade(MadeUp):
     def adapted(self, sample: Sample) -> tuple[MadeUp, Sample]:
         assert self.eigenvalues is not None
         early = self.eigenvalues(np.array([0.0, HOPF]))[0].real > 0.0
-        return seen(0.0 if early else 0.03), sample
-
-    def examined(self, sample: Sample) -> Sample:
-        linearization = self.linearize(sample.z)
-        return self.examine(sample.z, sample.tangent, sample.weights, linearization, sample.unstable)
+        there = seen(0.0 if early else 0.03)
+        linearization = there.linearize(sample.z)
+        return there, there.examine(sample.z, sample.tangent, sample.weights, linearization, sample.unstable)
 
 
 # From one of these the row before the point lies between where it is and where other steps see it.
@@ -61,28 +58,6 @@ def test_a_count_changes_at_a_special_point_only(begin):
         else:
             assert item.state.sample.unstable == count, item.state.sample.parameter
     assert met == ["HB"]
-
-
-def test_where_nothing_happens_a_solution_is_examined_once(monkeypatch):
-    """On the steps that led to it; only where something may is it on those of what follows, too."""
-    examined: list[float] = []
-
-    def counting(self, z, *given):
-        examined.append(float(z[-1]))
-        return MadeUp.examine(self, z, *given)
-
-    problem = seen(0.0)
-    here = ContinuationState(problem.sample((0.0, 0.0), (0.0, 1.0)), 0.0, 0.1)
-    monkeypatch.setattr(Remade, "examine", counting, raising=False)
-    settings = Settings(range=(-1.0, 1.0), step=0.1, max_step=0.1, max_share=1.0)
-    found = [
-        item.state.sample.parameter
-        for item in walk(problem, here, settings, Observer(LINE, ()), 1.0, 100)
-        if isinstance(item, Point) and item.special is None
-    ]
-    assert len(found) > 10
-    for value, following in pairwise(found):
-        assert examined.count(value) == (2 if value < HOPF <= following else 1), value
 
 
 def test_a_count_that_is_kept_says_what_it_is_not_known_to():

@@ -37,7 +37,7 @@ def half_trace(state, period):
 def test_a_pair_on_the_circle_tells_where_it_meets_and_nothing_else():
     problem = small_problem(coupled, "xyuv", {"mu": -0.2}, "mu")
     equilibria = cw.continue_branch(problem, [0.0] * 4, RANGE)
-    cycles = cw.switch_branch(problem, equilibria, "HB1", RANGE, max_points=40)
+    cycles = cw.switch_branch(problem, equilibria, "HB1", RANGE, max_points=46)
     found = [point for point in cycles.special_points if point.label != "EP"]
     assert [point.label for point in found] == ["BP", "BP", "PD", "PD", "BP"]
     assert [point.status for point in found] == ["located"] * 5

@@ -65,7 +65,7 @@ def nothing_but_the_family(cycles, points):
 
 @pytest.mark.parametrize(
     ("field", "period", "points", "reached"),
-    [(spring, of_spring, 60, 0.2), (pendulum, of_pendulum, 48, 2.0)],
+    [(spring, of_spring, 60, 0.2), (pendulum, of_pendulum, 75, 2.0)],
     ids=["spring", "pendulum"],
 )
 def test_oscillations_without_losses_are_followed(field, period, points, reached):

@@ -15,7 +15,7 @@ from contwalk.continuation.closing import place_of_closure
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.prediction import predict
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import ContinuationState, last_arc
+from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.step import take_step
 
 RANGE = Settings(range=(-2.0, 2.0), step=0.1, max_step=0.5, max_share=1.0)
@@ -139,39 +139,6 @@ def test_a_guess_lies_on_the_tangent_and_an_end_of_the_range_is_met_exactly():
     # Facing the other way, the other end counts.
     back = here(circle(), (1.0, 0.0), (0.0, -1.0))
     assert not predict(back, 0.1, settings).to_bound
-
-
-def test_a_guess_goes_on_as_the_last_step_went():
-    """The cubic through two points of a circle misses it by h^4, where the tangent misses it by h^2."""
-    missed = []
-    for h in (0.1, 0.05):
-        before, there = (ContinuationState(on_circle(circle(), angle), angle, h) for angle in (0.0, h))
-        before = replace(before, s=h - 2.0 * math.sin(0.5 * h))  # arclengths are chords
-        there = replace(there, arc=last_arc(before, there))
-        guess = predict(there, h, RANGE).guess
-        assert (guess - there.sample.z) @ there.sample.tangent == pytest.approx(h, rel=1e-12)
-        missed.append(abs(np.linalg.norm(guess) - 1.0))
-    assert missed[1] < 0.1 * missed[0]  # 1/16, and what is left of higher orders
-    assert missed[0] < 0.1 * (math.hypot(1.0, 0.1) - 1.0)
-
-
-def test_after_a_corner_a_guess_turns_by_no_more_than_a_step_may():
-    before, there = here(circle(), (1.0, 0.0), (0.0, 1.0)), here(circle(), (0.0, 1.0), (-1.0, 0.0))
-    there = replace(there, s=math.sqrt(2.0))
-    before = replace(before, sample=replace(before.sample, tangent=np.array([0.0, -1.0])))
-    guess = predict(replace(there, arc=last_arc(before, there)), 0.5, RANGE).guess
-    ahead = there.sample.z + 0.5 * there.sample.tangent
-    assert np.linalg.norm(guess - ahead) == pytest.approx(0.5 * 0.5 * math.radians(RANGE.max_angle))
-
-
-def test_the_last_step_is_known_where_its_arclength_is_its_chord_and_longer_than_its_error():
-    before, there = here(circle(), (1.0, 0.0), (0.0, 1.0)), here(circle(), (1.0, 0.1), (0.0, 1.0))
-    assert last_arc(before, replace(there, s=0.1)) is not None
-    assert last_arc(before, replace(there, s=-0.1)) is not None  # walked the other way
-    # Where the orbit was cut anew, or begun elsewhere on itself, its unknowns are others.
-    assert last_arc(before, replace(there, s=0.11)) is None
-    blurred = replace(there, s=0.1, sample=replace(there.sample, error=0.2))
-    assert last_arc(before, blurred) is None
 
 
 def test_a_remainder_of_a_thousandth_of_a_step_is_not_left_over():

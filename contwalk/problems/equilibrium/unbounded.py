@@ -32,8 +32,6 @@ REACHED = 0.1
 # Where rounding hides that, the law has been seen as far as it can be, if what the parameter has left is this
 # part of the suspicion's.
 HIDDEN = 1e-3
-# Part of a step at which its first solution is, where rounding hides all that lies beyond it.
-WITHIN = 0.25
 # Newton steps that leave the domain of the equations are halved so often at most.
 HALVINGS = 60
 # How far from an edge of the domain, in magnitudes of the parameter, it is asked what is left to it; of a
@@ -57,36 +55,21 @@ def escape(problem: EquilibriumEquations, a: Sample, b: Sample) -> Escape | None
     which = int(np.argmax(np.abs(b.tangent[:-1]) / b.weights[:-1]))
     if not _suspected(which, a, b):
         return None
-    begin = _Place(a.z, a.tangent)
-    found = _beyond(problem, which, begin, _Place(b.z, b.tangent), b)
-    if found is _HIDDEN:  # right beyond a long step: what is asked for lies on it
-        part = WITHIN * float(b.z[which] - a.z[which])
-        _, _, nearer = next(_further(problem, which, part, begin, b.weights))
-        found = _beyond(problem, which, begin, nearer, b) if isinstance(nearer, _Place) else None
-    return found if isinstance(found, Escape) else None
-
-
-def _beyond(
-    problem: EquilibriumEquations, which: int, a: _Place, there: _Place, b: Sample
-) -> Escape | object | None:
-    """As `escape`, by the slopes of two neighbouring solutions, none of them beyond b, and of those further
-    on; `_HIDDEN` where rounding hides the first one already.
-    """
-    size, first = float(b.weights[-1]), there.slope(which)
+    size, first = float(b.weights[-1]), float(b.tangent[-1] / b.tangent[which])
     limit, slope = b.parameter, first
-    change = float(there.z[which] - a.z[which])
-    straight, gone = abs(change * first / (a.slope(which) - first)), 0.0
-    for distance, guess, place in _further(problem, which, change, there, b.weights):
-        if place is _HIDDEN and gone == 0.0:
-            return _HIDDEN
-        if not isinstance(place, _Place):
-            hidden = place is _HIDDEN and abs(slope * distance) <= HIDDEN * REST * size
+    change = float(b.z[which] - a.z[which])
+    before = float(a.tangent[-1] / a.tangent[which])
+    straight, gone = abs(change * first / (before - first)), 0.0
+    for distance, guess, there in _further(problem, which, change, b):
+        if not isinstance(there, _Place):
+            hidden = there is _HIDDEN and abs(slope * distance) <= HIDDEN * REST * size
             seen = abs(slope * distance) > SEEN * size and not hidden
             ends = seen or not _finite(problem, np.append(guess[:-1], b.parameter))
             told = gone > BEYOND * straight and (abs(slope) <= FALLEN * abs(first) or not ends)
             return Escape(which, limit) if told and not _at_an_edge(problem, b) else None
         gone += abs(distance)
-        last, limit, slope = slope, float(place.z[-1]), place.slope(which)
+        last, limit = slope, float(there.z[-1])
+        slope = float(there.tangent[-1] / there.tangent[which])
         if abs(limit - b.parameter) > REST * size:
             return None  # it has not converged, or has turned round long ago
         falls = slope * last >= 0.0 and abs(slope) <= abs(last)
@@ -135,22 +118,18 @@ class _Place:
     z: np.ndarray
     tangent: np.ndarray
 
-    def slope(self, which: int) -> float:
-        """How fast the parameter changes along an unknown."""
-        return float(self.tangent[-1] / self.tangent[which])
-
 
 # What solves the equations to rounding, which is all that the way to it makes of them.
 _HIDDEN = object()
 
 
 def _further(
-    problem: EquilibriumEquations, which: int, step: float, begin: _Place, weights: np.ndarray
+    problem: EquilibriumEquations, which: int, step: float, b: Sample
 ) -> Iterator[tuple[float, np.ndarray, _Place | object | None]]:
-    """Solutions further and further from one of them along an unknown, each with its distance to the last one
-    and the guess it comes from; `_HIDDEN` where rounding hides the next one, None where there is none.
+    """Solutions further and further from b along an unknown, each with its distance to the last one and the
+    guess it comes from; `_HIDDEN` where rounding hides the next one, None where there is none.
     """
-    place: _Place | object | None = begin
+    place: _Place | object | None = _Place(b.z, b.tangent)
     for number in range(PROBES):
         if not isinstance(place, _Place):
             return
@@ -159,7 +138,7 @@ def _further(
         guess[-1] = place.z[-1]  # what is left of its way is less than that
         try:
             with np.errstate(all="ignore"):  # what overflows is no solution
-                place = _solved(problem, which, guess, weights, distance)
+                place = _solved(problem, which, guess, b.weights, distance)
         except (PluginError, np.linalg.LinAlgError):
             place = None
         yield distance, guess, place

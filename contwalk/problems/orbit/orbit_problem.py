@@ -192,12 +192,8 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
     # -- discretisations ---------------------------------------------------------------------------------
 
     def adapted(self, sample: Sample) -> tuple[Self, Sample]:
-        """The problem on steps made for a solution, and the solution's sample for it."""
+        """The problem on steps made for a solution, and the solution's sample on it."""
         return remesh.adapted(self, sample)
-
-    def examined(self, sample: Sample) -> Sample:
-        """What is watched at a solution of other steps, on these."""
-        return remesh.examined(self, sample)
 
     def adapted_to(
         self,

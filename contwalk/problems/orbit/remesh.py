@@ -9,7 +9,6 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
-from contwalk.numerics.linear import norm_in
 from contwalk.problems.orbit.cutting import begun_at, grown_cuts, halves, recutting
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.discretized_orbit import Kind
@@ -93,10 +92,9 @@ Closing = Callable[[Kind, Sample], tuple[Kind, Sample] | None]
 def adapted(
     orbit: Kind, sample: Sample, closing: Closing[Kind] = closed, most: float = TOO_MUCH
 ) -> tuple[Kind, Sample]:
-    """The problem with its section, steps and segments made anew at a solution, and its sample for it.
+    """The problem with its section, steps and segments made anew at a solution, and its sample on it.
 
-    The tangent moves along the flow into the new section; the branch stays where it is, and what the sample
-    tells is what its own steps told, until somebody asks for more: see `examined`. What was a solution
+    The tangent moves along the flow into the new section; the branch stays where it is. What was a solution
     on the steps of the last orbit may be none on these, as where a leg passes a saddle: it is then corrected.
     At a branch point it stays on its own steps, where it is one: the equations tell neither where the point
     is nor which way the branch goes. `most` is how much deviations may grow over a segment of equal duration.
@@ -121,19 +119,10 @@ def adapted(
     if not first:
         problem, sample = _recut(problem, sample, recutting(problem, sample.z, most), closing)
     tangent = problem.into_section(sample.z, sample.tangent)
-    if not problem.linearize(sample.z).finite:
-        raise NotFinite(
-            problem.diagnosis.without_value(sample.z) or "The equations have no finite value.", ""
-        )
-    length = norm_in(tangent, sample.weights)
-    return problem, sample.varied(tangent=tangent / length, rates=sample.rates.scaled(1.0 / length))
-
-
-def examined(orbit: Kind, sample: Sample) -> Sample:
-    """What is watched at a solution of other steps, on these."""
-    there, tangent = orbit.linearize(sample.z), sample.tangent
-    again = orbit.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)
-    return again.varied(orientation=0.0) if sample.orientation == 0.0 else again
+    # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
+    there = problem.linearize(sample.z)
+    again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)
+    return problem, again.varied(orientation=0.0) if born else again
 
 
 def _recut(
