@@ -18,6 +18,8 @@ from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.equilibrium.several_directions import leaving
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
+# An unknown is zero but for rounding if it is this part of how far it moves: it would hide a symmetry.
+DUST = 1e-13
 _UNKNOWN = "more than two branches may meet here; the other ones are not followed"
 
 
@@ -47,7 +49,12 @@ class MultipleZero(EquilibriumPoint):
         z, parent = np.array(point.unknowns), np.array(point.tangent)
         many, error = int(point.coefficients["multiplicity"]), point.error or 0.0
         found = leaving(problem, z, error, parent, many) or ()
-        return [Seed("BP", z, each.tangent, each.reach, problem) for each in found]
+        far = abs(float(z[-1])) or 1.0
+        starts = [np.where(np.abs(z) <= DUST * each.reach(far), 0.0, z) for each in found]
+        return [
+            Seed("BP", start, each.tangent, each.reach, problem)
+            for start, each in zip(starts, found, strict=True)
+        ]
 
     def has(self, point: SpecialPoint) -> bool:
         """A branch point with a multiplicity."""
