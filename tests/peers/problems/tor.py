@@ -6,6 +6,11 @@ from contwalk.system import Mode, Parameter, State, Symmetry, System
 
 # Found on whole orbits, without the mirror declared: another problem with twice the segments.
 WHOLE = "the whole orbits of the circuit, its mirror not declared"
+# Of the last three that are known otherwise: folds near to Shilnikov's orbit are apart by a geometric series.
+LAW = "the geometric series of the folds before"
+BEFORE = (-0.79748107300, -0.7975296077732696, -0.7975173626733856)
+RATIO = (BEFORE[2] - BEFORE[1]) / (BEFORE[1] - BEFORE[0])
+FURTHER = tuple(BEFORE[2] + (BEFORE[2] - BEFORE[1]) * sum(RATIO**k for k in range(1, n + 1)) for n in (1, 2))
 
 
 def field(t, x, p, dx):
@@ -88,9 +93,10 @@ PEER = Peer(
                 Value("LP", -0.7976731385057393, 4e-12, COLLOCATION, of="orbit"),
                 Value("BP", -0.7976731384972856, 4e-12, COLLOCATION, of="orbit"),
                 Value("LP", -0.7975296077732696, 3e-11, COLLOCATION, of="orbit"),
-                # Told as not located, where the walk's own steps have them.
+                Value("BP", -0.7975296077732696, 3e-11, COLLOCATION, of="orbit"),
                 Value("LP", -0.7975173626733856, 1e-9, WHOLE, of="orbit"),
                 Value("BP", -0.7975173626733854, 1e-9, WHOLE, of="orbit"),
+                *(Value(label, value, 5e-9, LAW, of="orbit") for label in ("LP", "BP") for value in FURTHER),
             ),
         ),
     ),
