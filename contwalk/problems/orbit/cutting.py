@@ -21,6 +21,8 @@ from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, segments_for
 
 # Growth over a segment that is cut by it.
 GROWN = 1e2
+# Growth over the whole closure below which segments of equal duration do again.
+CALM = 1e3
 # Steps over which deviations grow by no more than this together are not parted.
 RESOLVED = 10.0
 # Segments of equal duration that a branch has room for: of a closure in its own time; of legs, and unknowns
@@ -88,7 +90,8 @@ def recutting(orbit: DiscretizedOrbit, z: np.ndarray, most: float = TOO_MUCH) ->
     steps = steps_of(orbit, z)
     found = _cuts(steps, room(orbit))
     if orbit.discretization.evenly_first:
-        if len(found) == 1:  # as by shooting, which keeps its segments: in one the next growth would not show
+        # As by shooting, which keeps its segments: in one the next growth would not show.
+        if len(_cuts(steps, room(orbit), grown=CALM)) == 1:
             return np.arange(ROOM) / ROOM
         found = _more(steps, found, LEAST_CHOSEN)
     if m > TOO_MANY * len(found):
@@ -160,11 +163,11 @@ def cuts_for(orbit: DiscretizedOrbit, z: np.ndarray, most: int, begin: float = 0
     return _cuts(replace(later, begins=later.begins - begin), most, least)
 
 
-def _cuts(steps: Steps, most: int, least: int = 1) -> np.ndarray:
-    """As `cuts_for`, of steps in their order, into so many segments at least."""
+def _cuts(steps: Steps, most: int, least: int = 1, grown: float = GROWN) -> np.ndarray:
+    """As `cuts_for`, of steps in their order, into so many segments at least, and by another growth."""
     firsts = first_of_blocks(steps.factors, RESOLVED, np.inf)
     begins, factors = steps.begins[firsts], blocks(steps.factors, firsts)
-    allowed = float(np.log(GROWN))
+    allowed = float(np.log(grown))
     while True:
         cuts = _greedy(begins, factors, allowed)
         if len(cuts) <= most or allowed > 600.0:
