@@ -74,8 +74,9 @@ def end_record(
         located, known = met, True
     record = kind_of_test(problem, Test.END).describe(problem, located, state.sample, state.s)
     if point is not None:
-        record = replace(record, error=point.error, errors=point.errors)
-        record = replace(record, admissible=point.admissible, margin=point.margin)
+        record = replace(
+            record, error=point.error, errors=point.errors, admissible=point.admissible, margin=point.margin
+        )
     elif not known:
         record = replace(record, error=None, errors={})
     count = state.sample.unstable + state.sample.held_unstable

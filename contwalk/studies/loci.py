@@ -185,9 +185,7 @@ def _persists(problem: Any, state: ContinuationState) -> bool:
         try:
             beside = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
         except outcomes.BREAKDOWNS:
-            return True  # then the walk tells
-        if beside.ok and not problem.diagnosis.unfolded(beside.z):
-            return True
-        if not beside.ok:  # then the walk tells
-            return True
+            return True  # the walk tells
+        if not beside.ok or not problem.diagnosis.unfolded(beside.z):
+            return True  # where it is not known, the walk tells
     return False

@@ -149,9 +149,8 @@ def _of_one_leg(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
     if itinerary.image:
         own = problem.system.symmetry(itinerary.image)
         found["whole"] = states.apart(0.0, lambda y: imaged(own, y, p, itinerary.power))
-        if (
-            itinerary.order % 2
-        ):  # what is doubled closes up to the symmetry too, and its parent in half the time
+        if itinerary.order % 2:
+            # What is doubled closes up to the symmetry too, and its parent in half the time.
             half = itinerary.power * (itinerary.order + 1) // 2 % itinerary.order
             found["half"] = states.apart(0.5, lambda y: imaged(own, y, p, half))
     for symmetry in problem.system.symmetries:

@@ -87,13 +87,11 @@ def recutting(orbit: DiscretizedOrbit, z: np.ndarray, most: float = TOO_MUCH) ->
         return found if stretched(orbit, z, most) else None
     if m == 1 and not stretched(orbit, z):
         return None
-    steps = steps_of(orbit, z)
-    found = _cuts(steps, room(orbit))
-    if orbit.discretization.evenly_first:
+    steps, evenly_first = steps_of(orbit, z), orbit.discretization.evenly_first
+    if evenly_first and _calm(steps):
         # As by shooting, which keeps its segments: in one the next growth would not show.
-        if len(_cuts(steps, room(orbit), grown=CALM)) == 1:
-            return np.arange(ROOM) / ROOM
-        found = _more(steps, found, LEAST_CHOSEN)
+        return np.arange(ROOM) / ROOM
+    found = _cuts(steps, room(orbit), LEAST_CHOSEN if evenly_first else 1)
     if m > TOO_MANY * len(found):
         return found
     grown = _most_grown(steps, orbit.mesh.cuts)
@@ -163,16 +161,26 @@ def cuts_for(orbit: DiscretizedOrbit, z: np.ndarray, most: int, begin: float = 0
     return _cuts(replace(later, begins=later.begins - begin), most, least)
 
 
-def _cuts(steps: Steps, most: int, least: int = 1, grown: float = GROWN) -> np.ndarray:
-    """As `cuts_for`, of steps in their order, into so many segments at least, and by another growth."""
-    firsts = first_of_blocks(steps.factors, RESOLVED, np.inf)
-    begins, factors = steps.begins[firsts], blocks(steps.factors, firsts)
-    allowed = float(np.log(grown))
+def _cuts(steps: Steps, most: int, least: int = 1) -> np.ndarray:
+    """As `cuts_for`, of steps in their order, into so many segments at least."""
+    begins, factors = _blocked(steps)
+    allowed = float(np.log(GROWN))
     while True:
         cuts = _greedy(begins, factors, allowed)
         if len(cuts) <= most or allowed > 600.0:
             return _more(steps, cuts, least) if len(cuts) < least else cuts
         allowed *= 1.3
+
+
+def _calm(steps: Steps) -> bool:
+    """Whether deviations grow by no more than `CALM` over the whole closure, from any time in it on."""
+    return len(_greedy(*_blocked(steps), float(np.log(CALM)))) == 1
+
+
+def _blocked(steps: Steps) -> tuple[np.ndarray, np.ndarray]:
+    """When blocks of steps that are not parted begin, (w,), and their factors, (w, n, n)."""
+    firsts = first_of_blocks(steps.factors, RESOLVED, np.inf)
+    return steps.begins[firsts], blocks(steps.factors, firsts)
 
 
 def _more(steps: Steps, cuts: np.ndarray, least: int) -> np.ndarray:
