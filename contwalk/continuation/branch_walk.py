@@ -24,7 +24,7 @@ from contwalk.continuation.events import Began, Cut, Event, Found, Noted, Plan
 from contwalk.continuation.first_steps import Beginning, FirstSteps, Place
 from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error, start_refined
 from contwalk.continuation.opening import Opening
-from contwalk.continuation.pseudo_arclength import End, walk
+from contwalk.continuation.pseudo_arclength import Earlier, End, walk
 from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.standing_still import with_what_stands_still
@@ -221,8 +221,8 @@ class BranchWalk:
         if first is not None and first.place is place and first.points == left:
             events = first.whole()
         else:
-            crowd = _crowd(work, sign)
-            events = walk(*place, settings, observer, sign, left, begun=begun, done=done, crowd=crowd)
+            earlier = Earlier(begun, done, _crowd(work, sign))
+            events = walk(*place, settings, observer, sign, left, earlier=earlier)
         for event in events:
             if isinstance(event, End):
                 outcome = with_what_stands_still(event.outcome, work.rows, sign, problem.line.free)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -40,6 +40,25 @@ class End:
     special: SpecialPoint
 
 
+@dataclass(frozen=True)
+class Earlier:
+    """What a walk has behind it that goes on: nothing, where it sets out.
+
+    Parameters
+    ----------
+    begun : ContinuationState, optional
+        Where it began; a branch that comes back there is closed.
+    points : int
+        How many points it has had since.
+    crowd : Crowd
+        Those of them that were not located.
+    """
+
+    begun: ContinuationState | None = None
+    points: int = 0
+    crowd: Crowd = field(default_factory=Crowd)
+
+
 def walk(
     problem: Problem,
     state: ContinuationState,
@@ -48,9 +67,7 @@ def walk(
     sign: float,
     points: int,
     *,
-    begun: ContinuationState | None = None,
-    done: int = 0,
-    crowd: Crowd | None = None,
+    earlier: Earlier | None = None,
 ) -> Iterator[Point | End]:
     """Solutions along a branch from `state`, special points in their places, and how it ended.
 
@@ -62,106 +79,174 @@ def walk(
         +1 where arclength grows along the walk, -1 where it decreases (the other direction from a start).
     points : int
         How many points there may still be.
-    begun : ContinuationState, optional
-        Where the walk began that goes on here; a branch that comes back there is closed.
-    done : int
-        How many points it has had since.
-    crowd : Crowd, optional
-        Those of them that were not located.
+    earlier : Earlier, optional
+        What the walk has behind it, where it goes on.
     """
-    origin, number, point, lost = begun or state, 0, (problem, state), SymmetriesLost()
-    crowd = crowd or Crowd()
-    try:
+    return _Walk(problem, state, settings, observer, sign, points, earlier or Earlier()).whole()
+
+
+class _Walk:
+    """A walk under way: the problem as it is posed now, and the last solution."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        state: ContinuationState,
+        settings: Settings,
+        observer: Observer,
+        sign: float,
+        points: int,
+        earlier: Earlier,
+    ) -> None:
+        self._problem, self._state = problem, state
+        self._yielded = problem, state  # the last solution as it was yielded
+        self._settings, self._observer, self._sign = settings, observer, sign
+        self._left, self._done = points, earlier.points
+        self._origin = (earlier.begun or state).sample
+        self._crowd, self._lost = earlier.crowd, SymmetriesLost()
+
+    def whole(self) -> Iterator[Point | End]:
+        """All points, and the end."""
+        try:
+            ended = yield from self._to_its_end()
+        except outcomes.BREAKDOWNS as error:
+            # Whatever cannot be computed is how this direction ends, and nothing else.
+            ended = self._broken_down(error)
+        yield ended if isinstance(ended, End) else self._end(ended)
+
+    def _to_its_end(self) -> Generator[Point, None, Outcome | End]:
+        """Predict, correct, detect, adapt, yield, until there is a reason to end."""
         while True:
-            closed: float | None = None
-            slid = False
-            before = _effort(problem)
-            if outcome := _finished(problem, state, number, points, settings, observer):
-                back = _back(problem, state, settings, sign, outcome)
-                if back is None:
-                    break
-                problem, state = back
-                state = replace(state, sample=_with_effort(problem, state.sample, before))
+            spent = _effort(self._problem)
+            slid, closed_at = False, None
+            if outcome := self._finished():
+                if not self._comes_back(outcome, spent):
+                    return outcome
             else:
-                step = take_step(problem, state, settings, observer)
+                step = take_step(self._problem, self._state, self._settings, self._observer)
                 if isinstance(step, Outcome):
-                    outcome = step
-                    break
-                if done + number + len(step.found) >= 3:
-                    closed = place_of_closure(step.segment, step.found, origin.sample)
-                for place, found in _on_the_way(step, state, sign):
-                    if closed is not None and found.theta > closed:
-                        break  # told already, where the walk began
-                    record = found_record(step.segment.problem, found, place.s, sign)
-                    yield Point(place, record)
-                    number += 1
-                    crowd.tell(record.status == "located", place.s, place.sample.error)
-                    if outcome := _stop(step.segment.problem, found, record, settings):
-                        place = replace(place, sample=replace(place.sample, unstable=found.after))
-                        yield End(outcome, end_record(problem, place, outcome, sign, point=record))
-                        return
-                slid = _slid(lost, step)
-                state = _arrived(problem, step, state, sign, settings, before, origin.sample)
-            problem, state, point = yield from _taken_up(problem, state, settings)
-            number += 1
-            if slid:
-                outcome = outcomes.slid_onto_parent(observer.line.free, state.sample.parameter)
-                break
-            if closed is not None:
-                outcome = outcomes.closed()
-                break
-            if crowd.is_noise:
-                outcome = outcomes.noise(crowd.error, observer.line.free, state.sample.parameter)
-                break
-    except outcomes.BREAKDOWNS as error:
-        # Whatever cannot be computed is how this direction ends, and nothing else.
+                    return step
+                closed_at = self._closed_at(step)
+                end = yield from self._special_points(step, closed_at)
+                if end is not None:
+                    return end
+                slid = _slid(self._lost, step)
+                self._arrive(step, spent)
+            yield from self._take_up()
+            if outcome := self._over(slid, closed_at is not None):
+                return outcome
+
+    def _finished(self) -> Outcome | None:
+        """Why not to take another step, if there is a reason."""
+        if self._left <= 0:
+            growth = self._problem.diagnosis.growth(self._state.sample.z)
+            return outcomes.max_points(self._settings.max_points, growth)
+        reached = self._bound()
+        return None if reached is None else outcomes.bound(*reached)
+
+    def _bound(self) -> tuple[str, float] | None:
+        """The parameter that is at an end of its range, and its value there."""
+        place = self._state.bound_at(self._settings)
+        if place is None:
+            return None
+        return self._observer.line.names[-1 - place], float(self._state.sample.z[place])
+
+    def _comes_back(self, outcome: Outcome, spent: tuple[float, int]) -> bool:
+        """Whether a curve in two parameters that leaves its range was followed to where it comes back."""
+        if outcome.reason != "bound" or self._problem.line.second is None:
+            return False
+        back = reentered(self._problem, self._state, self._settings, self._sign)
+        if back is None:
+            return False
+        self._problem, state = back
+        self._state = replace(state, sample=_with_effort(self._problem, state.sample, spent))
+        return True
+
+    def _closed_at(self, step: Step) -> float | None:
+        """How far along a step the walk is back where it began; None where it is not."""
+        if self._done + len(step.found) < 3:
+            return None
+        return place_of_closure(step.segment, step.found, self._origin)
+
+    def _special_points(self, step: Step, closed_at: float | None) -> Generator[Point, None, End | None]:
+        """The special points of a step, and the end that one of them may be."""
+        own, begins = step.segment, self._state
+        for found in step.found:
+            if closed_at is not None and found.theta > closed_at:
+                break  # told already, where the walk began
+            s = begins.s + self._sign * found.theta * own.length
+            place = ContinuationState(found.sample, s, begins.step)
+            record = found_record(own.problem, found, s, self._sign)
+            yield self._counted(Point(place, record))
+            self._crowd.tell(record.status == "located", s, place.sample.error)
+            if outcome := _stop(own.problem, found, record, self._settings):
+                place = replace(place, sample=replace(place.sample, unstable=found.after))
+                return End(outcome, end_record(self._problem, place, outcome, self._sign, point=record))
+        return None
+
+    def _counted(self, point: Point) -> Point:
+        self._done, self._left = self._done + 1, self._left - 1
+        return point
+
+    def _arrive(self, step: Step, spent: tuple[float, int]) -> None:
+        """Stand at the end of a step, which has cost what it has."""
+        there = grown(self._problem, step.there, self._state, self._settings, self._origin)
+        s = self._state.s + self._sign * step.segment.length
+        self._state = ContinuationState(_with_effort(self._problem, there, spent), s, step.next_length)
+
+    def _take_up(self) -> Iterator[Point]:
+        """Yield the solution, and have it on the steps, or with the borders, for what follows it."""
+        try:
+            there, sample = adapted(self._problem, self._state.sample)
+        except (NotFinite, np.linalg.LinAlgError):
+            yield self._counted(Point(self._state))
+            raise
+        if _leaves_an_end(self._state.sample, sample, self._settings):
+            self._yielded = self._problem, self._state
+            yield self._counted(Point(self._state))
+            return
+        self._problem = there
+        if np.array_equal(sample.z, self._state.sample.z):
+            self._yielded = there, self._state
+            yield self._counted(Point(self._state))
+        else:  # on new steps the solution is another: that one is the point, and taken up as if stored
+            self._state = replace(self._state, sample=sample)
+            self._yielded = there, self._state
+            yield self._counted(Point(self._state))
+            self._problem, sample = adapted(there, sample)
+        self._state = replace(self._state, sample=sample)
+
+    def _over(self, slid: bool, closed: bool) -> Outcome | None:
+        """What ends the walk at a point that it has arrived at, if anything does."""
+        where = self._observer.line.free, self._state.sample.parameter
+        if slid:
+            return outcomes.slid_onto_parent(*where)
+        if closed:
+            return outcomes.closed()
+        return outcomes.noise(self._crowd.error, *where) if self._crowd.is_noise else None
+
+    def _broken_down(self, error: ContwalkError | np.linalg.LinAlgError) -> Outcome:
+        """The end of a walk at which something cannot be computed."""
         reason = outcomes.reason_of(error)
         sentence = error.sentence if isinstance(error, ContwalkError) else outcomes.singular(error)
-        known = "" if reason == "plugin_error" else problem.diagnosis.obstacle(state.sample.z)
-        outcome = outcomes.given_up(reason, sentence, observer.line.free, state.sample.parameter, known)
-    bound = _bound(state, settings, observer) if outcome.reason == "bound" else None
-    if point[1].s == state.s and not np.array_equal(point[1].sample.z, state.sample.z):
-        problem, state = point  # what follows would have begun elsewhere on the orbit: the end is the point
-    yield End(outcome, end_record(problem, state, outcome, sign, bound=bound))
+        last = self._state.sample
+        known = "" if reason == "plugin_error" else self._problem.diagnosis.obstacle(last.z)
+        return outcomes.given_up(reason, sentence, self._observer.line.free, last.parameter, known)
 
-
-def _taken_up(
-    problem: Problem, state: ContinuationState, settings: Settings
-) -> Generator[Point, None, tuple[Problem, ContinuationState, tuple[Problem, ContinuationState]]]:
-    """A point on the steps, or with the borders, for what follows it; and as it was told, on its own."""
-    try:
-        there, sample = adapted(problem, state.sample)
-    except (NotFinite, np.linalg.LinAlgError):
-        yield Point(state)
-        raise
-    if _leaves_an_end(state.sample, sample, settings):
-        yield Point(state)
-        return problem, state, (problem, state)
-    problem = there
-    point = problem, state
-    if np.array_equal(sample.z, state.sample.z):
-        yield Point(state)
-    else:  # on new steps the solution is another: that one is the point, and taken up as if stored
-        state = replace(state, sample=sample)
-        point = problem, state
-        yield Point(state)
-        problem, sample = adapted(problem, sample)
-    return problem, replace(state, sample=sample), point
+    def _end(self, outcome: Outcome) -> End:
+        """The end of a walk, at the last point."""
+        bound = self._bound() if outcome.reason == "bound" else None
+        problem, state = self._problem, self._state
+        last = self._yielded[1]
+        if last.s == state.s and not np.array_equal(last.sample.z, state.sample.z):
+            problem, state = self._yielded  # what follows would have begun elsewhere on the orbit
+        return End(outcome, end_record(problem, state, outcome, self._sign, bound=bound))
 
 
 def _leaves_an_end(before: Sample, after: Sample, settings: Settings) -> bool:
     """Whether a point at an end of the range is not there any more on other steps: it is to stay as it is."""
     at_end = [place for place, ends in settings.bounds.items() if before.z[place] in ends]
     return any(after.z[place] != before.z[place] for place in at_end)
-
-
-def _back(
-    problem: Problem, state: ContinuationState, settings: Settings, sign: float, outcome: Outcome
-) -> tuple[Problem, ContinuationState] | None:
-    """Where a curve in two parameters that leaves its range comes back; None where it does not."""
-    if outcome.reason != "bound" or problem.line.second is None:
-        return None
-    return reentered(problem, state, settings, sign)
 
 
 def _slid(lost: SymmetriesLost, step: Step) -> bool:
@@ -174,52 +259,6 @@ def _slid(lost: SymmetriesLost, step: Step) -> bool:
         return False
     apart = problem.equivalence.asymmetries
     return lost.regained(lambda: apart(a.z), lambda: apart(b.z))
-
-
-def _finished(
-    problem: Problem,
-    state: ContinuationState,
-    number: int,
-    points: int,
-    settings: Settings,
-    observer: Observer,
-) -> Outcome | None:
-    """Why not to take another step, if there is a reason."""
-    if number >= points:
-        return outcomes.max_points(settings.max_points, problem.diagnosis.growth(state.sample.z))
-    reached = _bound(state, settings, observer)
-    return None if reached is None else outcomes.bound(*reached)
-
-
-def _bound(state: ContinuationState, settings: Settings, observer: Observer) -> tuple[str, float] | None:
-    """The parameter that is at an end of its range, and its value there."""
-    place = state.bound_at(settings)
-    return None if place is None else (observer.line.names[-1 - place], float(state.sample.z[place]))
-
-
-def _on_the_way(
-    step: Step, state: ContinuationState, sign: float
-) -> Iterator[tuple[ContinuationState, Found]]:
-    """The special points of a step with their places."""
-    for found in step.found:
-        yield (
-            ContinuationState(found.sample, state.s + sign * found.theta * step.segment.length, state.step),
-            found,
-        )
-
-
-def _arrived(
-    problem: Problem,
-    step: Step,
-    state: ContinuationState,
-    sign: float,
-    settings: Settings,
-    before: tuple[float, int],
-    origin: Sample,
-) -> ContinuationState:
-    """The place at the end of a step, with what the step has cost."""
-    sample = _with_effort(problem, grown(problem, step.there, state, settings, origin), before)
-    return ContinuationState(sample, state.s + sign * step.segment.length, step.next_length)
 
 
 def _with_effort(problem: Problem, sample: Sample, before: tuple[float, int]) -> Sample:

@@ -11,7 +11,7 @@ from small_systems import small_problem
 
 import contwalk as cw
 from contwalk.continuation.marks import observer_of
-from contwalk.continuation.pseudo_arclength import walk
+from contwalk.continuation.pseudo_arclength import Earlier, walk
 from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
 from contwalk.problems.restoring import problem_of
@@ -86,7 +86,7 @@ def test_a_branch_goes_on_with_the_weights_of_the_whole_one():
     begun = from_row(problem, rows[0], 1.0, False)[1]
     place = from_row(problem, rows[stopped], 1.0, False)
     observer, left = observer_of(problem), len(rows) - 1 - stopped
-    points = walk(*place, Settings(range=ends), observer, 1.0, left, begun=begun, done=stopped)
+    points = walk(*place, Settings(range=ends), observer, 1.0, left, earlier=Earlier(begun, stopped))
     for row, point in zip(rows[stopped + 1 :], points, strict=False):
         sample = point.state.sample
         np.testing.assert_array_equal(sample.z[:-1], row["unknowns"][: len(sample.z) - 1])
