@@ -14,6 +14,8 @@ from contwalk.system import System
 
 # All parameters where a path begins, at 0, and where it ends, at 1.
 Ends = tuple[Mapping[str, float], Mapping[str, float]]
+# How far from a coordinate another one is, in sizes of the coordinate.
+ELSEWHERE = 0.1
 
 
 def in_words(name: str, value: float, error: float | None, digits: int = 10) -> str:
@@ -78,6 +80,10 @@ class ParameterLine:
         """
         declared = (abs(p.default) for p in system.parameters if self.ends is None and p.name == self.free)
         return next(declared, 0.0) or 1.0
+
+    def elsewhere(self, system: System, at: float) -> float:
+        """Another coordinate: what holds at one may hold there alone, as where a force has no amplitude."""
+        return at + ELSEWHERE * max(abs(at), self.usual(system))
 
     @property
     def names(self) -> tuple[str, ...]:

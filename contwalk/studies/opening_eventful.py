@@ -15,6 +15,7 @@ from contwalk.continuation.state import ContinuationState, begin
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
+from contwalk.problems.hybrid.closed_up import broken_at
 from contwalk.problems.hybrid.families import broken_by_events
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
@@ -31,6 +32,7 @@ from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import named_itinerary
 from contwalk.problems.orbit.kinks_met import kinks_along
+from contwalk.problems.orbit.switching import whole
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.problem import equations_at
 from contwalk.problems.sample import NO_MARGIN, Sample
@@ -58,7 +60,16 @@ UNSTABLE = (
 def eventful(start: OrbitStart) -> Opening | Outcome:
     """The branch of orbits through events that a simulation from a state comes back on."""
     values = start.values
-    recurrence = recurrence_from(start.system, values, start.state, start.mode, start.event, start.until)
+    place = start.line.elsewhere(start.system, start.line.place(start.at))
+    recurrence = recurrence_from(
+        start.system,
+        values,
+        start.state,
+        start.mode,
+        start.event,
+        start.until,
+        elsewhere=start.line.at(place),
+    )
     explicit = orbit_of(HybridOrbit, start.system, start.line, start.at, recurrence, start.discretization)
     opening = _hybrid(*softened(*explicit), start.settings, start.until == "settled")
     machine = hybrid_machine(start.system, values)
@@ -126,7 +137,11 @@ def opened_itinerary(
     )
     z = np.append(stored.unknowns[:-1], parameters[free] if at is None else at)
     try:
-        return _hybrid(discretized(problem, z), z, settings)
+        orbit = discretized(problem, z)
+        line = orbit.line
+        if broken_at(orbit, z, line.at(line.elsewhere(system, float(z[-1])))):
+            orbit, z = whole(orbit, z)
+        return _hybrid(orbit, z, settings)
     except (PluginError, NotFinite) as error:
         return outcomes.no_start(error.reason, error.sentence)
 
@@ -158,7 +173,7 @@ def _hybrid(
         )
     if is_one_of_a_family(problem, state.sample.z):
         return outcome_of_family(problem, z) or one_of_many()
-    if name := off_its_value(problem, state.sample):
+    if name := off_its_value(problem, state.sample.z):
         return not_conserved(name)
     shorter, z = _least(problem, state.sample, settings)
     if shorter is not problem:  # it was looked at for longer than its period, or than half of it

@@ -66,7 +66,7 @@ def smooth(start: OrbitStart) -> Opening | Outcome:
         )
     if is_one_of_a_family(problem, begun.sample.z):
         return outcome_of_family(problem, z) or one_of_many()
-    if name := off_its_value(problem, begun.sample):
+    if name := off_its_value(problem, begun.sample.z):
         return not_conserved(name)
     return _closed(problem, begun, settings)
 

@@ -173,3 +173,42 @@ def test_a_block_comes_to_rest_between_two_pushes(start) -> None:
             if point.label != "EP":
                 assert_met(point, "f", stops_between())
         assert np.all(branch["admissible"][~branch["special"]])
+
+
+# -- a hopper that waits for a second, and jumps with the speed u: it is in the air for 2 u --
+
+
+def hopper() -> System:
+    def flies(t, x, p, dx):
+        dx[0], dx[1], dx[2] = x[1], -1.0, 0.0
+
+    def waits(t, x, p, dx):
+        dx[0], dx[1], dx[2] = 0.0, 0.0, 1.0
+
+    def lands(t, x, p, after):
+        after[0], after[1], after[2] = 0.0, 0.0, 0.0
+
+    def jumps(t, x, p, after):
+        after[0], after[1], after[2] = 0.0, p.u, 0.0
+
+    return machine(
+        ["y", "v", "clock"],
+        {"u": 1.0},
+        {"air": flies, "ground": waits},
+        [
+            Transition("lands", "air", "ground", lambda t, x, p: x[0], reset=lands),
+            Transition("jumps", "ground", "air", lambda t, x, p: x[2] - 1.0, "rising", reset=jumps),
+        ],
+    )
+
+
+def test_a_flight_that_ceases_has_no_rate_left_and_no_time():
+    """Where both are zero the branch ends, and flights without length are no orbits beyond it."""
+    state, mode = [1.0, 0.0, 0.0], {"mode": "air"}
+    (branch,) = diagram(
+        hopper(), "u", (-0.5, 2.0), state, events={"GR": "switch"}, follow=["GR"], until="settled", **mode
+    )
+    assert branch.outcome.reason == "grazing"
+    np.testing.assert_allclose(branch["period"], 1.0 + 2.0 * branch["u"], rtol=0.0, atol=WALKED)
+    point = next(p for p in branch.special_points if p.label == "GR")
+    assert_met(point, "u", 0.0)

@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from claimed_errors import DIGITS, assert_error_claim
 from invariants import check_branch
-from small_systems import bifurcations, labelled, small_problem
+from small_systems import bifurcations, labelled, small_problem, small_system
 
 import contwalk as cw
+from contwalk.system import Neutral, State, Symmetry
 
 
 @pytest.mark.parametrize("cubic", [-1.0, 1.0, -250.0])
@@ -123,3 +124,43 @@ def test_two_pitchforks_on_one_branch():
     assert_error_claim(second, "mu", mpmath.mpf(0.7))
     assert (first.criticality, second.criticality) == ("supercritical", "subcritical")
     assert [first.unstable_after, second.unstable_after] == [1, 2]
+
+
+def drifting(t, x, p, dx):
+    """Four oscillators on a circle, of frequencies that sum up to zero: K. Kuramoto (1984), chapter 5."""
+    for i, own in enumerate((-1.0, -0.2, 0.2, 1.0)):
+        dx[i] = own + sum(p.K / 4.0 * np.sin(x[j] - x[i]) for j in range(4))
+
+
+def together(t, x, p, v):
+    v[:] = [1.0, 1.0, 1.0, 1.0]
+
+
+def turned_over(t, x, p, image):
+    image[:] = [-x[3], -x[2], -x[1], -x[0]]
+
+
+def test_a_pitchfork_of_angles_of_which_one_is_pinned():
+    """sin(x_i - psi) = w_i / q with q = K r: the outer two pass a right angle together where q = 1.
+
+    One of them alone goes on beyond it there: their cosines cancel, and K = 2 q^2 / sqrt(q^2 - 0.04).
+    """
+    system = small_system(
+        drifting,
+        [State(f"a{i}", period=2.0 * np.pi) for i in range(4)],
+        {"K": 3.0},
+        neutral=(Neutral("together", together, pin="a0"),),
+        symmetries=(Symmetry("over", "spatial", turned_over),),
+    )
+    problem = cw.Equilibrium(system, system.defaults(), "K")
+    parent = cw.continue_branch(problem, [0.0, 0.4, 0.6, 1.0], (1.0, 5.0))
+    (point,) = labelled(parent, "BP")
+    # The image of what leaves is what leaves the other way, carried along by the pinned angle.
+    assert point.kind == "symmetry-breaking"
+    assert_error_claim(point, "K", 2 / mpmath.sqrt(mpmath.mpf("0.96")))
+    branch = cw.switch_branch(problem, parent, "BP1", (1.0, 5.0))
+    assert branch.outcome.reason == "bound"
+    q = np.sqrt((branch["K"] ** 2 + branch["K"] * np.sqrt(branch["K"] ** 2 - 0.64)) / 8.0)
+    # Equilibria are known to some roundings, and q turns at the pitchfork like their root there.
+    assert np.abs(np.sin(0.5 * (branch["a2"] - branch["a1"])) - 0.2 / q).max() < 1e-7
+    assert np.ptp(branch["a1"]) > 2.0

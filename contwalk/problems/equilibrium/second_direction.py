@@ -26,6 +26,8 @@ IN_RANGE = 1e-8
 EQUAL = 1e-12
 # A matrix with this condition number is singular to rounding.
 SINGULAR = 1e13
+# A move is rounding of zero if it is this small a part of a magnitude, or of what else moves a rate.
+DUST = 1e-13
 
 
 def second_direction(problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray | None:
@@ -162,10 +164,24 @@ def branch_point_seeds(problem: EquilibriumEquations, point: SpecialPoint) -> Se
             return np.append(np.zeros(problem.size), change)
         own = reach(problem, z, tangent, change)
         far = np.where(own > 0.0, own, reach(problem, z, parent, change))
+        far[dust(problem, z, far, magnitudes)] = 0.0
         far[declared] = 0.0
         return far
 
     return (Seed("BP", z, tangent, moved, problem),)
+
+
+def dust(problem: EquilibriumEquations, z: np.ndarray, far: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
+    """Which unknowns move by nothing but rounding of zero, bool of shape (N + 1,).
+
+    A pinned state, or the drift along a neutral direction, stays where it is; what elimination leaves of that
+    would be taken for a magnitude. Where none is told, the field tells: no rate changes by more than a
+    rounding of how it changes by all others.
+    """
+    parts = np.abs(problem.jacobian(z)[: problem.states]) * far
+    others = parts.sum(axis=1, keepdims=True) - parts
+    unseen = np.all(parts <= DUST * others, axis=0)
+    return np.where(np.isfinite(magnitudes), far <= DUST * magnitudes, unseen)
 
 
 def reach(problem: EquilibriumEquations, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:

@@ -9,9 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.hybrid.machine import hybrid_machine
+from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import cut_legs
+from contwalk.problems.hybrid.closed_up import spans_of
 from contwalk.problems.hybrid.limited_orbit import Kind, LimitedOrbit
-from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
+from contwalk.problems.hybrid.mirrors import carries, why_not_carried
 from contwalk.problems.orbit.along_pins import shifted
 from contwalk.problems.orbit.asymmetry import between_halves, repetitions, swapping
 from contwalk.problems.orbit.closure import order_of
@@ -96,18 +98,11 @@ def _spatial(system: System) -> list[Symmetry]:
 
 
 def _its_image(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
-    """Whether the machine is its own image half a cycle later."""
-    machine = hybrid_machine(problem.system, problem.values_of(z))
-    later = 0.5 * problem.duration(z) if problem.forced else 0.0
-    return carries(machine, symmetry, _spans(problem, z), later, problem.mesh.variation)
-
-
-def _spans(problem: LimitedOrbit, z: np.ndarray) -> list[Span]:
-    spans = []
-    for stretch in problem.stretches(z):
-        (begin, x), (end, y) = stretch.start, stretch.end
-        spans.append(Span(stretch.view.piece.passage.leg, begin, x, end - begin, y))
-    return spans
+    """Whether the machine is its own image half a cycle later, for other values of its parameter too."""
+    own, system = problem.values_of(z), problem.system
+    values = [own, problem.line.at(problem.line.elsewhere(system, float(z[-1])))]
+    periods = 0.5 * round(problem.duration(z) / period_at(system, own)) if problem.forced else 0.0
+    return carries(system, values, symmetry, spans_of(problem, z), periods, problem.mesh.variation)
 
 
 def unused_symmetries(problem: LimitedOrbit, z: np.ndarray) -> str:
@@ -134,7 +129,7 @@ def _unused(problem: LimitedOrbit, z: np.ndarray, symmetry: Symmetry) -> str:
     period = problem.duration(z) / problem.subharmonic if problem.forced else 0.0
     for later in sorted({0.0, 0.5 * period}):
         given = later, problem.mesh.variation
-        told = (why_not_carried(machine, symmetry, span, *given) for span in _spans(problem, z))
+        told = (why_not_carried(machine, symmetry, span, *given) for span in spans_of(problem, z))
         reasons.append(next((why for why in told if why), ""))
     if not all(reasons):
         return ""

@@ -63,6 +63,12 @@ def nearest(problem: LimitedOrbit, point: SpecialPoint) -> int:
         near = best if best is not None and off[best] < NEAR else None
         best = min(shown, key=lambda k: (shown[k], found.limits[k].rank), default=near)
     if best is None:
+        # The rate at the end of a leg that lasts no time at all is that of no motion.
+        lasting = z[problem.layout.durations]
+        short = np.abs(lasting) <= HIDDEN * float(np.abs(lasting).sum())
+        ceased = (k for k in fitting if found.limits[k].test == "rate" and short[found.limits[k].leg])
+        best = next(ceased, None)
+    if best is None:
         raise StartError(f"{point.label} at {dict(point.parameters)} is no limit of these orbits.", "")
     return best
 

@@ -7,15 +7,16 @@ its own image too.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.flow.hybrid.machine import HybridMachine
+from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
+from contwalk.problems.forcing import period_at
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.itinerary import Leg, has_image, image_of
-from contwalk.system import Symmetry
+from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
 
 # Both sides agree to this part of their size: the map's derivative is made of differences over such a step
@@ -42,17 +43,24 @@ class Span:
 
 
 def carries(
-    machine: HybridMachine,
+    system: System,
+    values: Sequence[Mapping[str, float]],
     symmetry: Symmetry,
     spans: Sequence[Span],
-    later: float,
+    periods: float,
     scale: np.ndarray,
 ) -> bool:
-    """Whether fields, guards and resets along some legs are their own images `later` seconds on.
+    """Whether fields, guards and resets along some legs are their own images so many forcing periods on.
 
-    `scale` has the shape (n,).
+    Asked of several values of the parameters, the orbit's own first: where a force has no amplitude they are
+    whatever the symmetry says of it. `scale` has the shape (n,).
     """
-    return not any(why_not_carried(machine, symmetry, span, later, scale) for span in spans)
+    for given in values:
+        machine = hybrid_machine(system, given)
+        later = periods * period_at(system, given) if periods else 0.0
+        if any(why_not_carried(machine, symmetry, span, later, scale) for span in spans):
+            return False
+    return True
 
 
 def why_not_carried(

@@ -21,12 +21,14 @@ from contwalk.flow.hybrid.guard_status import ENTERING, guard_statuses
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.hybrid.least_part import least
+from contwalk.problems.hybrid.legs_without_length import collapsed
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import ZERO
 from contwalk.problems.hybrid.reasons_in_words import first_sentence, told_once
 from contwalk.problems.initial.event_recurrence import recurrence_from
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.conservation import off_its_value
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.solving import newton_on
@@ -221,6 +223,12 @@ def _simulated(problem: LimitedOrbit, guess: np.ndarray, trial: Trial, label: st
         normal = np.zeros(len(start))
         normal[-1] = 1.0 / weights[-1]
         start = newton_on(there, start, weights, normal)
+    at_once = collapsed(there, start)
+    if at_once:
+        raise ContwalkError(f"in the orbit that a simulation leads to '{at_once}' happens at once")
+    off = off_its_value(there, start)
+    if off:
+        raise ContwalkError(f"the orbit that a simulation leads to has '{off}' at another value")
     margins = there.margins(start)
     lost = [o.name for o, r in zip(margins.limits, margins.relative, strict=True) if r < -ZERO and o.acts]
     if lost:

@@ -39,6 +39,7 @@ def recurrence_from(
     after: str | None = None,
     least: float = 0.0,
     longest: float = np.inf,
+    elsewhere: Mapping[str, float] | None = None,
 ) -> HybridRecurrence:
     """One recurrence of the orbit that a motion leads to from a state, shape (n,).
 
@@ -54,6 +55,8 @@ def recurrence_from(
         Seconds that a recurrence lasts at least.
     longest : float
         Seconds after which the search for one ends.
+    elsewhere : mapping, optional
+        Other values of the parameters, for which a symmetry that an orbit closes up to has to hold as well.
     until : float, "settled" or None
         Seconds to simulate before looking for a return; `settled` waits until returns agree closely; None
         takes the first that comes near: the state is on an orbit, perhaps an unstable one.
@@ -74,6 +77,7 @@ def recurrence_from(
         typical = magnitudes(machine, time, x, mode, np.inf, scales, METHOD, at)
         check_on_guard(machine, happening, time, before, typical)
     search = Search(system, parameters, None if until == 0 else until, least)
+    search.elsewhere = elsewhere
     if after is not None:
         search.first = False  # the first arc is a whole leg
     search.origin = x

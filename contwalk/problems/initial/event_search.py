@@ -69,6 +69,9 @@ class _Arrival:
 class Search:
     """Looks for a return while a motion is simulated."""
 
+    # Other values of the parameters: a symmetry of the machine is one for these as well.
+    elsewhere: Mapping[str, float] | None = None
+
     def __init__(
         self, system: System, parameters: Mapping[str, float], until: float | str | None, least: float = 0.0
     ) -> None:
@@ -322,10 +325,9 @@ class Search:
 
     def _carries(self, image: str, stretches: Sequence[Span], lasted: float, scale: np.ndarray) -> bool:
         """Whether the machine is its own image after half a cycle: there the forcing is at another phase."""
-        machine, later = hybrid_machine(self.system, self.parameters), 0.0
-        if self.period:
-            later = 0.5 * self.period * round(2.0 * lasted / self.period)
-        return carries(machine, self.system.symmetry(image), stretches, later, scale)
+        values = [self.parameters] if self.elsewhere is None else [self.parameters, self.elsewhere]
+        periods = 0.5 * round(2.0 * lasted / self.period) if self.period else 0.0
+        return carries(self.system, values, self.system.symmetry(image), stretches, periods, scale)
 
     @cached_property
     def neutral(self) -> list[Neutral]:

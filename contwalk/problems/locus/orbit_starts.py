@@ -9,11 +9,14 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
+from contwalk.problems.hybrid.closed_up import broken_at
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curves import CURVES, LIMITS, VALUED, begun_at
 from contwalk.problems.locus.orbit_locus import OrbitLocus
 from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.locus.orbit_restored import plane_of
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.restoring import Facts
 
 FOLLOWED = (*CURVES, *LIMITS, *VALUED)
@@ -54,6 +57,7 @@ def locus_at(
     there = plane.on_lines(np.array([second, first]))[0].at_stored(near, scale)
     plane = OrbitPlane(there, free)
     there = plane.on_lines(np.array([second, first]))[0]
+    _check_symmetry(there, near, point, free)
     placed = _along_first(point, near, facts.free == first_name)
     curve, further = begun_at(there, placed, At(near, scale, typical[free[1]]), free)
     z = np.concatenate([own, further, [second, first]])
@@ -61,6 +65,22 @@ def locus_at(
         [weights[:-1], np.where(further == 0.0, 1.0, np.abs(further)), [typical[free[1]]], scale[-1:]]
     )
     return OrbitLocus(plane, curve, (z, known)), z
+
+
+def _check_symmetry(
+    orbit: DiscretizedOrbit, z: np.ndarray, point: SpecialPoint, free: tuple[str, str]
+) -> None:
+    """Refuse a curve of orbits closed up to a symmetry that the machine has at its start alone."""
+    values, system = orbit.values_of(z), orbit.system
+    for name in free:
+        line = ParameterLine.of(system, values, name)
+        broken = broken_at(orbit, z, line.at(line.elsewhere(system, values[name])))
+        if broken:
+            raise StartError(
+                f"No curve in two parameters can be followed from {point.name}: its orbit is closed up to "
+                f"the symmetry '{broken}', which holds at {name} = {values[name]:.10g} and not beside it.",
+                f"Continue over {name} alone first, and start from a special point of that branch.",
+            )
 
 
 def _along_first(point: SpecialPoint, near: np.ndarray, same: bool) -> SpecialPoint:

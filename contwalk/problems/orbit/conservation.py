@@ -10,13 +10,16 @@ from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import Sample
 
 
-def off_its_value(orbit: OrbitData, sample: Sample) -> str:
-    """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved."""
+def off_its_value(orbit: OrbitData, z: np.ndarray) -> str:
+    """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved.
+
+    z has the shape (N + 1,).
+    """
     if not orbit.system.conserved:
         return ""
-    parameters, most = orbit.values_of(sample.z), _state_errors(orbit, orbit.errors_at(sample.z))
+    parameters, most = orbit.values_of(z), _state_errors(orbit, orbit.errors_at(z))
     found = (
-        conserving.off(orbit.system, passage.leg.mode, passage.full(sample.z[place]), parameters, most)
+        conserving.off(orbit.system, passage.leg.mode, passage.full(z[place]), parameters, most)
         for place, passage in orbit.places
     )
     return next(filter(None, found), "")
@@ -24,7 +27,7 @@ def off_its_value(orbit: OrbitData, sample: Sample) -> str:
 
 def not_conserved(orbit: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     """The end of a branch beyond whose last orbit a quantity is not conserved."""
-    name = off_its_value(orbit, b)
+    name = off_its_value(orbit, b.z)
     if not name:
         return None
     return Outcome(

@@ -16,6 +16,8 @@ from contwalk.system.declarations import ParameterValues
 OWN_IMAGE = 1e-5
 # One that misses that by less may be its own image but for the errors of its steps.
 NEARLY = 1e-2
+# A field is its own image to this part of its size: the image of its direction is a difference.
+CARRIED = 1e-4
 # States at which an orbit begins, and deviations there, that differ by less from their images are these.
 ALIKE = 1e-6
 
@@ -23,8 +25,18 @@ ALIKE = 1e-6
 def carries(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, later: float) -> bool:
     """Whether the first leg's field has the symmetry, a part of its time later, at a state off the orbit.
 
+    So it must have for other values of the free parameter: a force without amplitude has any symmetry.
+
     z has the shape (N + 1,).
     """
+    beside = z.copy()
+    beside[-1] = problem.line.elsewhere(problem.system, float(z[-1]))
+    missed = [_missed(problem, where, symmetry, power, later) for where in (z, beside)]
+    return missed[0] < CARRIED and not missed[1] >= CARRIED  # where there is no field, nothing is told
+
+
+def _missed(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, later: float) -> float:
+    """How far the field is from its image there, in parts of its size."""
     p, passage = ParameterValues(**problem.values_of(z)), problem.passages[0]
     own, scale = list(passage.states), problem.mesh.variation
     values = np.concatenate([problem.layout.inputs(0, z)[1], problem.line.constants])
@@ -35,7 +47,7 @@ def carries(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry, power:
     size = float(np.linalg.norm(f / scale)) or 1.0
     moved = (imaged(symmetry, x + step / size * f, p, power) - image) / (step / size)
     there = velocity(passage, image[own], time - later, values)
-    return bool(np.linalg.norm((moved[own] - there) / scale[own]) < 1e-4 * size)
+    return float(np.linalg.norm((moved[own] - there) / scale[own])) / size
 
 
 def reversing(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
@@ -45,6 +46,13 @@ def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to. z has the shape (N + 1,)."""
     times = problem.itinerary.closures
     return _leaving(problem, z, _critical(problem, z), _gone_round(problem, times), times, "BP")
+
+
+def whole(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
+    """The same orbit over all of its cycle, where it is closed up to a symmetry. z has the shape (N + 1,)."""
+    times, still = problem.itinerary.closures, np.zeros(len(z) - 1)
+    seed = _leaving(problem, z, still, _gone_round(problem, times), times, "BP")[0]
+    return cast(Kind, seed.problem), seed.z
 
 
 def _critical(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:

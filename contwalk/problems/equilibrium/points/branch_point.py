@@ -14,6 +14,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import EPSILON, Factored, critical_pair, deficiency
 from contwalk.numerics.refine import DefiningSystem, Solution
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.equilibrium.defining_systems import dot, solve
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import Forms, critical_vectors, rounded
@@ -81,14 +82,36 @@ def _form(problem: EquilibriumEquations, located: Located, weights: np.ndarray) 
 
 def _breaks(problem: EquilibriumEquations, z: np.ndarray, q: np.ndarray) -> Symmetry | None:
     """The declared symmetry that a branch point's state has and its critical vector has not."""
-    n = problem.states
+    x, aside = z[: problem.states], 1e-3 * q[: problem.states]
     for symmetry in problem.system.symmetries:
-        image = problem.image(symmetry.name, z)[:n]
-        moved = problem.image(symmetry.name, np.append(z[:-1] + 1e-3 * q, z[-1]))[:n] - image
-        kept = np.allclose(image, z[:n], rtol=1e-9, atol=1e-12)
-        if kept and not np.allclose(moved, 1e-3 * q[:n], rtol=1e-6, atol=1e-12):
+        apart = _asymmetry(problem, symmetry, z, 0.0 * aside)
+        kept = np.allclose(x + apart, x, rtol=1e-9, atol=1e-12)
+        moved = aside + _asymmetry(problem, symmetry, z, aside) - apart
+        if kept and not np.allclose(moved, aside, rtol=1e-6, atol=1e-12):
             return symmetry
     return None
+
+
+def _asymmetry(
+    problem: EquilibriumEquations, symmetry: Symmetry, z: np.ndarray, aside: np.ndarray
+) -> np.ndarray:
+    """How far the image of a state beside a solution is from that state, shape (n,).
+
+    The image is moved along neutral directions and turned to where it is nearest: of angles that count from
+    anywhere, the image of one that is pinned need not be that.
+    """
+    n, x = problem.states, z[: problem.states] + aside
+    near = np.append(x, z[n:])
+    shifts = [pin for pin in problem.pins if pin in problem.system.neutral]
+
+    def shifted(image: np.ndarray) -> np.ndarray:
+        values, one = problem.values_of(z), np.ones(n)
+        apart = neutrals.apart_at_least(problem.system, shifts, image, x, values, one, range(n))
+        return np.append(x + apart, z[n:])
+
+    image = shifted(problem.image(symmetry.name, near)[:n])
+    turned = shifted(problem.nearest_turn(image, near)[:n])[:n]
+    return turned - x
 
 
 # -- the equations -----------------------------------------------------------------------------------------

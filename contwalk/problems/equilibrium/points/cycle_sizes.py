@@ -12,8 +12,9 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import PluginError
-from contwalk.numerics.linear import EPSILON, nearest_eigenpair
+from contwalk.numerics.linear import EPSILON
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
+from contwalk.problems.equilibrium.points.lyapunov import critical_space, lyapunov
 
 # Samples of a round, and harmonics that are solved for: some orders of a small cycle.
 SAMPLES, HARMONICS = 32, 6
@@ -28,7 +29,7 @@ FAINT = 1e-6
 class CycleSizes:
     """The sizes of a cycle that is born, when the parameter has changed by a given amount.
 
-    `right` is its critical vector, shape (n,), where there are several.
+    `right` is its critical vector, shape (n,), where there are several: it has a coefficient of its own.
     """
 
     def __init__(
@@ -37,18 +38,25 @@ class CycleSizes:
         n, z = equilibrium.states, np.array(point.unknowns)
         self._equilibrium, self._z = equilibrium, z
         self._omega = float(point.coefficients["omega"])
-        self._square = _square_per_change(point)
         jacobian = equilibrium.jacobian(z)
         self._a = jacobian[:n, :n]
-        pair = nearest_eigenpair(self._a, 1j * self._omega)
-        chosen = pair.right if right is None else right
+        self._space = critical_space(self._a, self._omega)
+        chosen = self._space.right[:, 0] if right is None else right
         self.right = chosen / np.linalg.norm(chosen)
+        self._square = _square_per_change(point) if right is None else self._own_square()
         self._first = 2.0 * np.abs(self.right)
         self._by_itself = self._first > FAINT * self._first.max()
         self._shift = np.abs(equilibrium.solve_states(z, jacobian[:n, -1]))
-        self._inverses = [self._inverse(k, pair.left) for k in range(HARMONICS + 1)]
+        self._inverses = [self._inverse(k) for k in range(HARMONICS + 1)]
 
-    def _inverse(self, k: int, left: np.ndarray) -> np.ndarray:
+    def _own_square(self) -> float:
+        """As `_square_per_change`, of the vector that was given."""
+        found = lyapunov(self._equilibrium, self._z, self._omega, self.right)
+        rate = abs(self._equilibrium.crossing_rate(self._z, self.right, found.left))
+        known = abs(found.l1) > NOISE * found.size
+        return rate / (self._omega * abs(found.l1)) if known else 0.0
+
+    def _inverse(self, k: int) -> np.ndarray:
         """(i k omega - A)^-1; of the first harmonic, the amplitude stays as it is."""
         n = len(self._a)
         if k == 0:
@@ -56,9 +64,11 @@ class CycleSizes:
         matrix = 1j * k * self._omega * np.eye(n) - self._a
         if k > 1:
             return _inverse_of(matrix)
-        border = self.right / self._first.max(), left / np.linalg.norm(left)
-        bordered = np.block([[matrix, border[0][:, None]], [border[1][None, :], np.zeros((1, 1))]])
-        return _inverse_of(bordered)[:n, :n]
+        rows = self._space.left
+        columns = (self.right[:, None] if len(rows) == 1 else self._space.right) / self._first.max()
+        rows = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+        corner = np.zeros((len(rows), len(rows)))
+        return _inverse_of(np.block([[matrix, columns], [rows, corner]]))[:n, :n]
 
     def __call__(self, change: float) -> np.ndarray:
         """Half of what each state moves by, or what its mean does, shape (n,): positive."""

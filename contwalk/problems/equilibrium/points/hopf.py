@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.numerics.linear import nearest_eigenpair
+from contwalk.numerics.linear import EPSILON, nearest_eigenpair
 from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems.equilibrium.defining_systems import dot, solve
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
-from contwalk.problems.equilibrium.normal_forms import Forms, rounded
+from contwalk.problems.equilibrium.normal_forms import rounded
+from contwalk.problems.equilibrium.points.lyapunov import lyapunov
 from contwalk.problems.equilibrium.points.point import SURE, EquilibriumPoint, Form
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
@@ -183,39 +184,12 @@ def hopf_coefficients(problem: EquilibriumEquations, located: Located, weights: 
     """
     omega = float(located.vectors["omega"])
     q = located.vectors["right"] / np.linalg.norm(located.vectors["right"])
-    l1, size, q, p = _lyapunov(problem, located.z, omega, q)
-    moved = [_lyapunov(problem, z, omega, q)[0] for z in rounded(located.z, weights)]
+    here = lyapunov(problem, located.z, omega, q)
+    moved = [lyapunov(problem, z, omega, q).l1 for z in rounded(located.z, weights)]
     return {
-        "l1": l1,
-        "l1_error": max(abs(value - l1) for value in moved) + float(np.finfo(float).eps) * size,
+        "l1": here.l1,
+        "l1_error": max(abs(value - here.l1) for value in moved) + EPSILON * here.size,
         "omega": omega,
-        "crossing_rate": problem.crossing_rate(located.z, q, p),
+        "crossing_rate": problem.crossing_rate(located.z, q, here.left),
         "convention": "Kuznetsov 2004, eq. 5.34: l1 = Re(c1)/omega with <q,q> = 1, <p,q> = 1",
     }
-
-
-def _lyapunov(
-    problem: EquilibriumEquations, z: np.ndarray, omega: float, q: np.ndarray
-) -> tuple[float, float, np.ndarray, np.ndarray]:
-    """l1, the size of its terms, and its critical vectors q and p (Kuznetsov 2004, eq. 5.34), <q, q> = 1,
-    <p, q> = 1.
-
-    l1 = Re[<p, C(q,q,q*)> - 2 <p, B(q, A^-1 B(q,q*))> + <p, B(q*, (2 i w - A)^-1 B(q,q))>] / (2 w).
-    Where neutral directions are pinned, A is singular along the family and A^-1 is taken with the pin in
-    place.
-    """
-    n = problem.states
-    a = problem.jacobian(z)[:n, :n]
-    p = nearest_eigenpair(a, 1j * omega).left  # a row vector: <p, x> is p @ x
-    p = p / (p @ q)
-    forms = Forms(problem, z)
-    h11 = problem.solve_states(z, forms.second(q, np.conj(q))[:n])
-    h20 = np.linalg.solve(2j * omega * np.eye(n) - a, forms.second(q, q)[:n])
-    terms = [
-        forms.third(q, q, np.conj(q))[:n],
-        -2.0 * forms.second(q, h11)[:n],
-        forms.second(np.conj(q), h20)[:n],
-    ]
-    total = sum(p @ term for term in terms)
-    size = sum(float(np.abs(p) @ np.abs(term)) for term in terms)
-    return float(total.real) / (2.0 * omega), size / (2.0 * omega), q, p

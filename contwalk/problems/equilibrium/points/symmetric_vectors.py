@@ -13,13 +13,11 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
+from contwalk.problems.equilibrium.points.lyapunov import SAME, critical_space
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
-# Eigenvalues are one that differ by less than this part of the frequency; vectors are one, and a space is
-# kept by a symmetry, to this.
-ALIKE, SAME = 1e-7, 1e-6
 # How far aside the image of a state is taken for the linear part of a map.
 ASIDE = 1e-4
 
@@ -28,12 +26,9 @@ def symmetric_vectors(equilibrium: EquilibriumEquations, point: SpecialPoint) ->
     """Critical vectors, shape (n,), that declared symmetries turn; none where the pair is alone."""
     n, z = equilibrium.states, np.array(point.unknowns)
     omega = float(point.coefficients["omega"])
-    values, vectors = np.linalg.eig(equilibrium.jacobian(z)[:n, :n])
-    near = np.abs(values - 1j * omega) < ALIKE * abs(omega)
-    if np.count_nonzero(near) < 2:
+    space = critical_space(equilibrium.jacobian(z)[:n, :n], omega).right
+    if space.shape[1] < 2:
         return []
-    space, sizes, _ = np.linalg.svd(vectors[:, near], full_matrices=False)
-    space = space[:, sizes > SAME * sizes[0]]
     found: list[np.ndarray] = []
     for q in _turned(equilibrium, z, space):
         if all(abs(q.conj() @ known) < 1.0 - SAME for known in found):
