@@ -313,7 +313,11 @@ def _crowd(work: BranchInProgress, sign: float) -> Crowd:
     """What the special points of a direction have told that is taken up again."""
     errors = {float(row["s"][0]): float(row["error"][0]) for row in work.rows if row["special"][0]}
     own = (point for point in work.special_points if point.s * sign > 0.0 and point.label != END)
-    return Crowd((point.status == "located", point.s, errors.get(point.s, 0.0)) for point in own)
+    passed = (row for row in work.rows if row["s"][0] * sign > 0.0 and not row["special"][0])
+    return Crowd(
+        ((point.status == "located", point.s, errors.get(point.s, 0.0)) for point in own),
+        ((float(row["s"][0]), float(row["error"][0])) for row in passed),
+    )
 
 
 def _silently(beginning: Generator[Event, None, Places]) -> Places:

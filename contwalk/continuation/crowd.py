@@ -1,4 +1,4 @@
-"""Special points that are not located and crowd within what solutions are known to: a walk over rounding.
+"""Points that crowd within what solutions are known to: a walk over rounding.
 
 Where the error of solutions is larger than what lies between them, as along canards of large growth, tests
 change their signs for no reason, and the walk may go to and fro for as long as there are points.
@@ -9,23 +9,37 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 
-# So many in a row tell.
+import numpy as np
+
+# So many special points in a row tell that are not located.
 IN_A_ROW = 10
+# So many points in a row tell where the way along all of them is this part of the longest step, or less.
+CREEPING, SHORT = 100, 1e-3
 
 
 class Crowd:
-    """The last special points of a walk that were not located, none of another kind between them.
+    """The last special points of a walk that were not located, none of another kind between them, and its
+    last points.
 
     Parameters
     ----------
     known : iterable of (bool, float, float)
         What special points have told already, as `tell` is told.
+    points : iterable of (float, float)
+        What points have told already, as `pass_by` is told.
     """
 
-    def __init__(self, known: Iterable[tuple[bool, float, float]] = ()) -> None:
+    def __init__(
+        self, known: Iterable[tuple[bool, float, float]] = (), points: Iterable[tuple[float, float]] = ()
+    ) -> None:
         self._last: deque[tuple[float, float]] = deque(maxlen=IN_A_ROW)
+        self._points: deque[tuple[float, float]] = deque(points, maxlen=CREEPING)
         for each in known:
             self.tell(*each)
+
+    def pass_by(self, s: float, error: float) -> None:
+        """A point that is not special, its arclength, and what it is known to, in the metric."""
+        self._points.append((s, error))
 
     def tell(self, located: bool, s: float, error: float) -> None:
         """A special point, its arclength, and what the solution there is known to, in the metric."""
@@ -34,13 +48,20 @@ class Crowd:
         else:
             self._last.append((s, error))
 
-    @property
-    def error(self) -> float:
-        """What solutions there are known to, in the metric."""
-        return max((error for _, error in self._last), default=0.0)
+    def noise(self, longest: float) -> tuple[str, float] | None:
+        """What lies nearer to each other than solutions are known to, and to what they are, in the metric.
 
-    @property
-    def is_noise(self) -> bool:
-        """Whether so many lie nearer to each other than solutions are known to."""
-        places = [s for s, _ in self._last]
-        return len(places) == IN_A_ROW and max(places) - min(places) < IN_A_ROW * self.error
+        None where the walk gets on. `longest` is the longest step that is allowed.
+        """
+        if _within(self._last, IN_A_ROW) < IN_A_ROW * (error := max((e for _, e in self._last), default=0.0)):
+            return f"the last {IN_A_ROW} special points were not located, and", error
+        error = float(np.nan_to_num([e for _, e in self._points] or [0.0]).min())
+        if _within(self._points, CREEPING) < min(SHORT * longest, error):
+            return f"the last {CREEPING} points", error
+        return None
+
+
+def _within(points: deque[tuple[float, float]], count: int) -> float:
+    """The way along so many points; infinite where there are fewer."""
+    places = [s for s, _ in points]
+    return max(places) - min(places) if len(places) == count else np.inf

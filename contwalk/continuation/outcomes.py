@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.continuation.crowd import IN_A_ROW
 from contwalk.errors import ContwalkError
 from contwalk.problems.problem import LimitType, PointType
 
@@ -133,15 +132,14 @@ def stuck(reason: str, sentence: str, step: float, name: str, value: float, know
     )
 
 
-def noise(error: float, name: str, value: float) -> Outcome:
-    """Special points that are not located lie nearer to each other than solutions are known to."""
+def noise(which: str, error: float, name: str, value: float) -> Outcome:
+    """Points, `which` ones in words, lie nearer to each other than solutions are known to."""
     return Outcome(
         "failed",
         "step_too_small",
-        f"At {name} = {value:.10g} the last {IN_A_ROW} special points were not located, and lie nearer to "
-        f"each other than solutions there are known to ({error:.1e} in the metric of the branch): what the "
-        "walk tells from there on is rounding. End the range before it; or fix the parameter there and "
-        "continue over another one.",
+        f"At {name} = {value:.10g} {which} lie nearer to each other than solutions there are known to "
+        f"({error:.1e} in the metric of the branch): what the walk tells from there on is rounding. End the "
+        "range before it; or fix the parameter there and continue over another one.",
     )
 
 
@@ -165,14 +163,18 @@ def reason_of(error: ContwalkError | np.linalg.LinAlgError) -> str:
     return error.reason if isinstance(error, ContwalkError) else "no_convergence"
 
 
+# What may be done where equations are singular.
+ELSEWHERE = "Start elsewhere, or continue over another parameter."
+
+
 def error_text(error: ContwalkError | np.linalg.LinAlgError) -> str:
     """What an error says, and what to do."""
-    return str(error) if isinstance(error, ContwalkError) else f"{singular(error)} Start elsewhere."
+    return str(error) if isinstance(error, ContwalkError) else f"{singular(error)} {ELSEWHERE}"
 
 
 def singular(error: np.linalg.LinAlgError) -> str:
     """What linear algebra stumbles over, in a sentence."""
-    return f"The equations there are singular: {error}."
+    return f"The equations there are singular: more than one solution, or none, is near ({error})."
 
 
 def refused(sentence: str, remedy: str) -> Outcome:

@@ -223,7 +223,9 @@ class _Walk:
             return outcomes.slid_onto_parent(*where)
         if closed:
             return outcomes.closed()
-        return outcomes.noise(self._crowd.error, *where) if self._crowd.is_noise else None
+        self._crowd.pass_by(self._state.s, self._state.sample.error)
+        noise = self._crowd.noise(self._settings.max_step)
+        return None if noise is None else outcomes.noise(*noise, *where)
 
     def _broken_down(self, error: ContwalkError | np.linalg.LinAlgError) -> Outcome:
         """The end of a walk at which something cannot be computed."""

@@ -338,7 +338,8 @@ def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 
         # A parameter that is zero along a curve is known to the errors of the others, in the metric.
         units = weights[-2:] if in_plane else 0.0
         apart = np.abs(np.subtract(_free(there, z), free := _free(problem, sample.z)))
-        if np.any(apart > alike * np.maximum(np.abs(free), units)):
+        met = 10.0 * AT_LEVEL * weights[len(weights) - len(apart) :]  # where the parameter is zero itself
+        if np.any(apart > np.maximum(alike * np.maximum(np.abs(free), units), met)):
             continue
         x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
         spatial = [s for s in problem.system.symmetries if s.role == "spatial"]

@@ -107,6 +107,7 @@ def plot_bifurcation_diagram(
         ax.set_ylim(*ylim)
     handles = _meanings(drawn, lie_over) + _distinguished(drawn, names, units)
     _legend(ax, handles)
+    _tell_unnamed(drawn, report)
     if parameters:
         title(ax, ",  ".join(_setting(name, value, units) for name, value in parameters.items()))
     if 1 < len(drawn) <= MOST_NAMED_BRANCHES:
@@ -243,16 +244,31 @@ def _frame(ax: Axes, points: np.ndarray) -> bool:
     return True
 
 
+def _differing(drawn: Sequence[Branch]) -> tuple[list[dict[str, float]], list[str]]:
+    """The fixed parameters of branches, and the names of those that are not the same on all of them."""
+    free = {name for branch in drawn for name in branch.info.free}
+    fixed = [{k: v for k, v in branch.info.parameters.items() if k not in free} for branch in drawn]
+    if len(drawn) < 2 or "path" in free:
+        return fixed, []
+    return fixed, [name for name in fixed[0] if len({each.get(name) for each in fixed}) > 1]
+
+
+def _tell_unnamed(drawn: Sequence[Branch], report: Callable[[str], None]) -> None:
+    """Say where more branches are drawn than a legend names which of them is at which value."""
+    differing = _differing(drawn)[1]
+    if differing and len(drawn) > MOST_NAMED_BRANCHES:
+        report(
+            f"{len(drawn)} branches are drawn, and the legend names up to {MOST_NAMED_BRANCHES}: it does "
+            f"not tell which of them are at which {' and '.join(differing)}. `contwalk show` does."
+        )
+
+
 def _distinguished(
     drawn: Sequence[Branch], names: Sequence[str], units: Mapping[str, str] | None
 ) -> list[Line2D]:
     """For branches at different values of fixed parameters an entry each that states them."""
-    free = {name for branch in drawn for name in branch.info.free}
-    if not 1 < len(drawn) <= MOST_NAMED_BRANCHES or "path" in free:
-        return []
-    fixed = [{k: v for k, v in branch.info.parameters.items() if k not in free} for branch in drawn]
-    differing = [name for name in fixed[0] if len({each.get(name) for each in fixed}) > 1]
-    if not differing:
+    fixed, differing = _differing(drawn)
+    if not differing or len(drawn) > MOST_NAMED_BRANCHES:
         return []
     texts = [
         "\n".join([called, *(_setting(name, each[name], units) for name in differing if name in each)])

@@ -71,7 +71,8 @@ def plot_margins(
     for number, ax in enumerate(axes[: len(fractions)]):
         _panel(ax, [row for row in rows if row["instant"] == number], states, floor, reach)
         above = ax if draw is None else axes[len(fractions) + number]
-        above.set_title(f"instant {number}: {fractions[number]:.4g} of the closure", fontsize=8.5, color=INK)
+        after = f": after {fractions[number]:.4g} of the closure" if fractions[number] else ""
+        above.set_title(f"instant {number}{after}", fontsize=8.5, color=INK)
         if draw is not None:
             draw(number, above)
             above.set_axis_off()

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from contwalk.errors import DatabaseError
 from contwalk.storage.database import Database
 from contwalk.storage.document import document
 from contwalk.storage.failures import explained, refuse_existing
@@ -30,6 +31,11 @@ def write_tables(db: Database, directory: str | Path, overwrite: bool = False) -
         If tables of these names exist (unless `overwrite`), or the directory or a file cannot be written.
     """
     directory = Path(directory)
+    if directory.exists() and not directory.is_dir():
+        raise DatabaseError(
+            f"{directory} is a file: tables are written into a directory, one for each branch.",
+            "Name a directory, which is made where there is none.",
+        )
     names = ("branches", "special_points", *db.branch_names())
     refuse_existing([directory / f"{name}.csv" for name in names], overwrite, made=True)
     described = document(db)["branches"]

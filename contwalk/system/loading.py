@@ -50,7 +50,7 @@ def load_declaration(reference: str, base: Path | None = None) -> System | Famil
         If there is no such system, or its file cannot be imported or exports no `SYSTEM`.
     """
     if is_path(reference):
-        return _from_file((base or Path.cwd()) / reference, reference)
+        return _from_file((base or Path.cwd()) / reference, reference, base)
     for point in installed():
         if point.name == reference:
             try:
@@ -124,7 +124,7 @@ class _AsItStands(SourceFileLoader):
         raise OSError
 
 
-def _from_file(path: Path, reference: str) -> System | Family:
+def _from_file(path: Path, reference: str, base: Path | None) -> System | Family:
     if path.is_dir():
         raise SystemDefinitionError(
             f"{path} is a directory, not a plugin file.", "Name a file in it, ending in .py."
@@ -132,7 +132,8 @@ def _from_file(path: Path, reference: str) -> System | Family:
     if not path.is_file():
         raise SystemDefinitionError(
             f"The plugin file {path} does not exist.",
-            "Relative paths are relative to the run file; check the name.",
+            f"Relative paths are relative to the {'current directory' if base is None else 'run file'}; "
+            "check the name.",
         )
     name = f"contwalk_plugin_{hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:12]}"
     spec = importlib.util.spec_from_file_location(name, path)

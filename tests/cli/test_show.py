@@ -109,3 +109,9 @@ def test_export(contwalk, database, folder):
     ]
     with (folder / "tables" / "special_points.csv").open(encoding="utf-8") as file:
         assert [row["name"] for row in csv.DictReader(file)] == ["EP1", "BP1", "EP2"]
+
+
+def test_tables_are_not_written_into_a_file(contwalk, fork_with_branches):
+    refused = contwalk("export", fork_with_branches, "--csv", "run.yaml")
+    assert refused.code == 2
+    assert "run.yaml is a file: tables are written into a directory" in refused.err

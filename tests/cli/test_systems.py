@@ -126,3 +126,9 @@ def test_init_replaces_nothing(contwalk, folder):
     assert "mine.yaml exists" in done.err
     assert (folder / "mine.yaml").read_text(encoding="utf-8") == "mine"
     assert contwalk("init", "./fork.py", "-o", "nowhere/x.yaml").code == 2
+
+
+def test_a_file_that_is_not_there_is_looked_for_where_the_command_is_given(contwalk):
+    refused = contwalk("systems", "check", "nowhere.py")
+    assert refused.code == 2
+    assert "Relative paths are relative to the current directory" in refused.err

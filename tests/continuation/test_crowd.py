@@ -1,4 +1,4 @@
-"""Special points that crowd within what solutions are known to end a walk; others do not."""
+"""Points that crowd within what solutions are known to end a walk; others do not."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from made_up import line
 
 from contwalk.branch import Outcome
 from contwalk.continuation import pseudo_arclength
-from contwalk.continuation.crowd import IN_A_ROW, Crowd
+from contwalk.continuation.crowd import CREEPING, IN_A_ROW, Crowd
 from contwalk.continuation.locating import Disagreement
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.pseudo_arclength import End, walk
@@ -20,20 +20,36 @@ from contwalk.continuation.step import Step, _unlocated, take_step
 
 def test_ten_that_lie_within_errors_are_noise_and_nine_are_not():
     crowd = Crowd((False, 1e-8 * k, 1e-6) for k in range(IN_A_ROW - 1))
-    assert not crowd.is_noise
+    assert crowd.noise(0.1) is None
     crowd.tell(False, 0.0, 1e-7)
-    assert crowd.is_noise
-    assert crowd.error == 1e-6
+    noise = crowd.noise(0.1)
+    assert noise is not None
+    assert noise[1] == 1e-6
 
 
 def test_one_that_is_located_begins_the_count_anew():
     crowd = Crowd((k == 5, 1e-8 * k, 1e-6) for k in range(IN_A_ROW + 5))
-    assert not crowd.is_noise
+    assert crowd.noise(0.1) is None
 
 
 def test_points_that_lie_apart_are_none():
     """They may be real: only that they could not be located is known of them."""
-    assert not Crowd((False, 0.1 * k, 1e-3) for k in range(3 * IN_A_ROW)).is_noise
+    assert Crowd((False, 0.1 * k, 1e-3) for k in range(3 * IN_A_ROW)).noise(0.1) is None
+
+
+@pytest.mark.parametrize(
+    ("count", "step", "error", "noise"),
+    [
+        (CREEPING, 1e-9, 1.0, True),
+        (CREEPING - 1, 1e-9, 1.0, False),
+        (CREEPING, 1e-9, 1e-8, False),  # known better than the way along all of them
+        (CREEPING, 1e-9, float("nan"), False),  # the start of a branch may not tell
+        (CREEPING, 1e-5, 1.0, False),  # they get on, and errors may be pessimistic
+    ],
+)
+def test_a_hundred_points_within_a_thousandth_of_a_step_are_noise(count, step, error, noise):
+    crowd = Crowd(points=((step * k, error) for k in range(count)))
+    assert crowd.noise(0.1) == (("the last 100 points", error) if noise else None)
 
 
 @pytest.mark.parametrize("error", [1e-6, 1.0])

@@ -423,3 +423,17 @@ def test_a_diagram_without_points_says_so():
     (sentence,) = told
     assert "no point has finite values of both mu and angle" in sentence
     assert "Draw another quantity" in sentence
+
+
+def test_more_branches_than_a_legend_names_are_told_of():
+    mu = np.linspace(0.0, 1.0, 5)
+    many = [
+        branch({"mu": mu, "x": k * mu}, name=f"b{k + 1}", parameters={"mu": 0.0, "c": 1.0 * k})
+        for k in range(13)
+    ]
+    said: list[str] = []
+    plot_bifurcation_diagram(many, report=said.append)
+    assert any("13 branches are drawn" in each and "which of them are at which c" in each for each in said)
+    said.clear()
+    plot_bifurcation_diagram(many[:12], report=said.append)
+    assert not any("branches are drawn" in each for each in said)

@@ -175,13 +175,14 @@ def dust(problem: EquilibriumEquations, z: np.ndarray, far: np.ndarray, magnitud
     """Which unknowns move by nothing but rounding of zero, bool of shape (N + 1,).
 
     A pinned state, or the drift along a neutral direction, stays where it is; what elimination leaves of that
-    would be taken for a magnitude. Where none is told, the field tells: no rate changes by more than a
-    rounding of how it changes by all others.
+    would be taken for a magnitude. Of a drift the field tells: no rate changes by more than a rounding of how
+    it changes by all others.
     """
     parts = np.abs(problem.jacobian(z)[: problem.states]) * far
     others = parts.sum(axis=1, keepdims=True) - parts
-    unseen = np.all(parts <= DUST * others, axis=0)
-    return np.where(np.isfinite(magnitudes), far <= DUST * magnitudes, unseen)
+    unseen = np.all(parts <= DUST * others, axis=0) & np.any(others > 0.0, axis=0)
+    unseen[: problem.states], unseen[-1] = False, False
+    return unseen | (far <= DUST * np.nan_to_num(magnitudes, nan=0.0))
 
 
 def reach(problem: EquilibriumEquations, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:

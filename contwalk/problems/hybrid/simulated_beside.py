@@ -105,7 +105,10 @@ def _lasting(problem: LimitedOrbit, z: np.ndarray, seed: Seed) -> str:
     assert isinstance(other, LimitedOrbit)
     if problem.itinerary.signature(problem.system) != other.itinerary.signature(other.system):
         return ""
-    return f", with the period {other.duration(seed.z):.10g} and not {problem.duration(z):.10g}"
+    lasts, before = (f"{each.duration(place):.10g}" for each, place in ((other, seed.z), (problem, z)))
+    if lasts == before:
+        return ", with the same period and other states"
+    return f", with the period {lasts} and not {before}"
 
 
 def _trials(

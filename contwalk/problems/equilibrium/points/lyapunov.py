@@ -1,7 +1,7 @@
 """The first Lyapunov coefficient of a Hopf point, along any of its critical vectors.
 
-Where a symmetry makes several pairs of eigenvalues pass at once there is a space of critical vectors, and each
-of them has a coefficient of its own: its left vector is zero on the others.
+Where a symmetry makes several pairs of eigenvalues pass at once there is a space of critical vectors, and
+each of them has a coefficient of its own: its left vector is zero on the others.
 """
 
 from __future__ import annotations
