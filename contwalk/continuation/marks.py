@@ -264,7 +264,7 @@ def marks_at(
             # A curve of what is marked has it everywhere.
             if met and not (problem.line.second is not None and _stands_still(problem, mark.name, sample)):
                 found.append((observer.kind(mark.name), (mark.name, level)))
-        if mark.extremum and np.isfinite(value) and _extreme_at(problem, sample, mark.name):
+        if mark.extremum and np.isfinite(value) and _extreme_at(problem, sample, mark.name, value):
             found.append(("extremum", (mark.name, None)))
     return found
 
@@ -292,12 +292,15 @@ def start_refined(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
         return problem, sample
 
 
-def _extreme_at(problem: Problem, sample: Sample, name: str) -> bool:
-    """Whether an observable is largest or smallest exactly at a solution; beside it segments tell."""
+def _extreme_at(problem: Problem, sample: Sample, name: str, value: float) -> bool:
+    """Whether an observable is largest or smallest exactly at a solution; beside it segments tell.
+
+    Rates beside it that are rounding of its value are those of one that stands still.
+    """
     if problem.observed.rate(name, sample) != 0.0:
         return False
     before, after = _rates_beside(problem, sample, name)
-    return before * after < 0.0
+    return before * after < 0.0 and min(abs(before), abs(after)) > STILL * abs(value)
 
 
 def _rates_beside(problem: Problem, sample: Sample, name: str) -> tuple[float, float]:

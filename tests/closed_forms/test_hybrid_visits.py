@@ -16,7 +16,7 @@ import pytest
 from hybrid_runs import ACCURACY, assert_met, diagram, machine
 
 from contwalk.branch import Branch
-from contwalk.system import System, Transition
+from contwalk.system import Conserved, System, Transition
 
 WALKED = 100.0 * ACCURACY
 PERIOD = 2.0 * math.pi
@@ -212,3 +212,45 @@ def test_a_flight_that_ceases_has_no_rate_left_and_no_time():
     np.testing.assert_allclose(branch["period"], 1.0 + 2.0 * branch["u"], rtol=0.0, atol=WALKED)
     point = next(p for p in branch.special_points if p.label == "GR")
     assert_met(point, "u", 0.0)
+
+
+def spring_under_a_ball() -> System:
+    def energy(stiffness):
+        return lambda t, x, p: 0.5 * x[1] ** 2 + x[0] + 0.5 * stiffness * x[0] ** 2
+
+    def flies(t, x, p, dx):
+        dx[0], dx[1] = x[1], -1.0
+
+    def rests(t, x, p, dx):
+        dx[0], dx[1] = x[1], -1.0 - 4.0 * x[0]
+
+    return machine(
+        ["y", "v"],
+        {"g": 1.0},
+        {"air": flies, "spring": rests},
+        [
+            Transition("lands", "air", "spring", lambda t, x, p: x[0]),
+            Transition("leaves", "spring", "air", lambda t, x, p: x[0], "rising"),
+        ],
+        conserved=(Conserved("energy", {"air": energy(0.0), "spring": energy(4.0)}),),
+    )
+
+
+def test_a_ball_that_does_not_leave_its_spring_any_more():
+    """Below the energy 0 it swings on the spring, with half the period of 2 pi; above, it flies as well."""
+    flying, swinging = diagram(
+        spring_under_a_ball(),
+        "energy",
+        (-0.1, 2.0),
+        [1.0, 0.0],
+        {"energy": 1.0},
+        mode="air",
+        events={"GR": "switch"},
+        follow=["GR"],
+    )
+    assert (flying.info.signature, swinging.info.signature) == (("lands", "leaves"), ())
+    point = next(p for p in flying.special_points if p.label == "GR")
+    # Rounding of the energies on the way, which are about 1.
+    assert abs(point.parameters["energy"]) < 1e-14
+    np.testing.assert_allclose(swinging["period"], math.pi, rtol=WALKED)
+    assert swinging["energy"].min() == -0.1

@@ -126,3 +126,17 @@ def test_the_start_itself_is_marked():
     branch = cw.continue_branch(problem, [0.25], (-1.0, 1.0), marks={"lam": [0.25]})
     check_branch(branch, problem)
     assert [q.parameters["lam"] for q in labelled(branch, "UZ")] == [0.25]
+
+
+def plates(t, x, p, dx):
+    """A plate drawn to another one by a voltage: below the pull-in its pair has the real part -c / 2."""
+    dx[0] = x[1]
+    dx[1] = -0.1 * x[1] - x[0] + (p.lam / (1.0 - x[0])) ** 2
+
+
+def test_what_stands_still_has_no_extremum_at_a_start():
+    problem = small_problem(plates, "xv", {"lam": 0.0}, "lam")
+    branch = cw.continue_branch(problem, [0.0, 0.0], (-0.2, 0.2), marks={"max_re": ["extremum"]})
+    check_branch(branch, problem)
+    np.testing.assert_allclose(branch["max_re"], -0.05, rtol=1e-14)  # of a sum of a few terms
+    assert not labelled(branch, "UZ")

@@ -199,12 +199,13 @@ def _simulated(problem: LimitedOrbit, guess: np.ndarray, trial: Trial, label: st
         least=SHORTEST * problem.duration(guess),
         longest=LONGEST * problem.duration(guess),
     )
+    rotations = [itinerary.rotated(problem.system, k) for k in range(len(itinerary))]
     lasted = sum(stretch.duration for stretch in recurrence.stretches) / problem.duration(guess)
     times, room = round(lasted), float(np.sqrt(trial.step))  # what begins at no rate is as far as the root
     if (
         not trial.settles
         and abs(lasted - times) < room * times
-        and _alike(itinerary, recurrence.itinerary, times)
+        and any(_alike(each, recurrence.itinerary, times) for each in rotations)
     ):
         raise ContwalkError("the motion has the same signature still")
     line = replace(problem.line, parameters=values)
@@ -221,7 +222,7 @@ def _simulated(problem: LimitedOrbit, guess: np.ndarray, trial: Trial, label: st
     if shorter is not there:
         there, start, weights = shorter, part, filled_magnitudes(shorter, part)
         alike = abs(there.duration(start) / problem.duration(guess) - 1.0) < room and not trial.settles
-        if alike and there.itinerary in [itinerary.rotated(problem.system, k) for k in range(len(itinerary))]:
+        if alike and there.itinerary in rotations:
             raise ContwalkError("the motion has the same signature still, run through more than once")
         normal = np.zeros(len(start))
         normal[-1] = 1.0 / weights[-1]

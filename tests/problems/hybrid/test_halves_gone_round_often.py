@@ -54,7 +54,7 @@ def test_several_halves_are_told_as_one(
     rounds: int, accuracy: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "contwalk.studies.opening_eventful.recurrence_from", lambda *given: gone_round(rounds)
+        "contwalk.studies.opening_eventful.recurrence_from", lambda *given, **_: gone_round(rounds)
     )
     line = ParameterLine.of(SYSTEM, SYSTEM.defaults(), "rho", None)
     asked = cw.Discretization(accuracy=accuracy)
