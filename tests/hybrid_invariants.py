@@ -23,6 +23,8 @@ from contwalk.system import System, Transition
 GLOBAL, INDEPENDENT = 100.0, 1e-11
 # scipy's DOP853 takes no less; of variational equations the differences are known to 1e-13 only.
 RELATIVE, VARIED = 3e-14, 1e-12
+# Of what an orbit may miss, so much is asked of the integrations: a hundredth at the most is their own then.
+ASKED = 1e-4
 # Differences of fourth order with this part of a state's size: truncation 1e-13, rounding 1e-13.
 STEP = 1e-3
 # A margin nearer to zero than this part of the guard's largest value has no certain sign.
@@ -91,8 +93,11 @@ def parameters_at(branch: Branch, system: System, row: np.void) -> SimpleNamespa
     return SimpleNamespace(**{n: begin[n] + value * (end[n] - begin[n]) for n in system.parameter_names})
 
 
-def legs_of(branch: Branch, system: System, row: np.void) -> list[Leg]:
-    """The legs of a stored orbit, each integrated from its stored start for its stored duration."""
+def legs_of(branch: Branch, system: System, row: np.void, relative: float = RELATIVE) -> list[Leg]:
+    """The legs of a stored orbit, each integrated from its stored start for its stored duration.
+
+    `relative` is the local error that scipy is asked for.
+    """
     p, word = parameters_at(branch, system, row), branch.info.settings["legs"]
     z = row["unknowns"]
     by_name = {t.name: t for t in system.transitions}
@@ -107,12 +112,12 @@ def legs_of(branch: Branch, system: System, row: np.void) -> list[Leg]:
         starts.append(x)
     begins = time + np.concatenate([[0.0], np.cumsum(durations)])
     motions = [
-        _motion(system, p, word[k][0], starts[k], float(begins[k]), float(durations[k]))
+        _motion(system, p, word[k][0], starts[k], float(begins[k]), float(durations[k]), relative)
         for k in range(len(word))
     ]
     size = _sizes(motions)
     return [
-        _leg(system, p, mode, by_name.get(name), size, motion)
+        _leg(system, p, mode, by_name.get(name), size, motion, max(relative, VARIED))
         for (mode, name, _), motion in zip(word, motions, strict=True)
     ]
 
@@ -135,7 +140,13 @@ def _full(system: System, place: list[int], y: np.ndarray) -> np.ndarray:
 
 
 def _motion(
-    system: System, p: SimpleNamespace, mode: str, x: np.ndarray, start: float, duration: float
+    system: System,
+    p: SimpleNamespace,
+    mode: str,
+    x: np.ndarray,
+    start: float,
+    duration: float,
+    relative: float,
 ) -> Motion:
     place, field = list(system.states_of(mode)), system.mode(mode).field
 
@@ -143,7 +154,7 @@ def _motion(
         return duration * written(field, start + tau * duration, _full(system, place, y), p)[place]
 
     solved = solve_ivp(
-        right, (0.0, 1.0), x[place], "DOP853", rtol=RELATIVE, atol=1e-15, dense_output=True, max_step=0.05
+        right, (0.0, 1.0), x[place], "DOP853", rtol=relative, atol=1e-15, dense_output=True, max_step=0.05
     )
     assert solved.success, solved.message
 
@@ -167,6 +178,7 @@ def _leg(
     transition: Transition | None,
     sizes: np.ndarray,
     motion: Motion,
+    relative: float,
 ) -> Leg:
     """A leg with the variational equations, in units of the states' sizes."""
     own, field, start, duration = (
@@ -186,7 +198,7 @@ def _leg(
         return duration * np.concatenate([rate(t, x) / size, (slopes @ y[n:].reshape(n, n)).ravel()])
 
     first = np.concatenate([motion.x[own] / size, np.eye(n).ravel()])
-    solved = solve_ivp(right, (0.0, 1.0), first, "DOP853", rtol=VARIED, atol=0.1 * VARIED)
+    solved = solve_ivp(right, (0.0, 1.0), first, "DOP853", rtol=relative, atol=0.1 * relative)
     assert solved.success, solved.message
     moved = solved.y[n:, -1].reshape(n, n) * size[:, None] / size
     end, t = motion.end[own], start + duration
@@ -267,7 +279,8 @@ def _check_counts(branch: Branch, row: np.void) -> None:
 
 def _check_row(branch: Branch, system: System, row: np.void, walking: float) -> None:
     where = f"{branch.info.free[0]} = {row['free'][0]}"
-    p, legs = parameters_at(branch, system, row), legs_of(branch, system, row)
+    local = GLOBAL * walking + INDEPENDENT
+    p, legs = parameters_at(branch, system, row), legs_of(branch, system, row, max(ASKED * local, RELATIVE))
     size = _sizes([Motion(leg.x, leg.start, leg.duration, leg.end, leg.at) for leg in legs])
     total = sum(leg.duration for leg in legs)
     assert abs(total - row["period"]) <= 1e-14 * abs(total)
@@ -275,7 +288,6 @@ def _check_row(branch: Branch, system: System, row: np.void, walking: float) -> 
         whole = branch.info.subharmonic * float(system.period(p))
         assert abs(total - whole) <= 1e-12 * whole, f"{total} s are no whole periods at {where}"
     turns = np.array(branch.info.settings["turns"])
-    local = GLOBAL * walking + INDEPENDENT
     growth = max(_scaled_norm(system, legs, k, size) for k in range(len(legs)))
     noise = local * max(growth, 1.0)
     for k, leg in enumerate(legs):

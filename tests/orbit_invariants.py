@@ -9,7 +9,7 @@ from math import gcd
 from types import SimpleNamespace
 
 import numpy as np
-from independent_flow import Passage, derived, passed
+from independent_flow import RELATIVE, Passage, derived, passed, reached
 from special_point_invariants import check_special_points
 
 from contwalk.branch import Branch
@@ -22,8 +22,9 @@ from contwalk.system import Symmetry, System
 # How much of the local errors that a run asks for may reach the end of a segment, where nothing grows: local
 # errors of a hundred steps add up, and the controller keeps their estimates, not the errors themselves.
 GLOBAL = 100.0
-# The independent integrations end with some 1e-12 of the states' sizes.
-INDEPENDENT = 1e-11
+# The independent integrations end with some 1e-12 of the states' sizes at the least; they are asked for so
+# much of what an orbit may miss, so that what they miss themselves is a hundredth of it at the most.
+INDEPENDENT, ASKED = 1e-11, 1e-4
 # An orbit smaller than this part of its place is a Hopf point still.
 POINT = 1e-9
 
@@ -127,18 +128,24 @@ def sizes_of(system: System, orbit: Row, weights: np.ndarray, method: str = "DOP
     """Half the range of each state along the orbit, or its weight where it stands still."""
     n, m = orbit.starts.shape[1], len(orbit.starts)
     rough = np.maximum(weights[:n] / np.sqrt(m), 1e-300)
-    states = np.concatenate([p.states for p in passages(system, orbit, rough, method)])
+    states = np.concatenate(
+        [reached(system, orbit.parameters, x, *span, rough, method) for x, span in _spans(orbit)]
+    )
     half = 0.5 * np.ptp(states, axis=0)
     return np.where(half > POINT * np.maximum(np.abs(states).max(axis=0), rough), half, rough)
 
 
-def passages(system: System, orbit: Row, scale: np.ndarray, method: str = "DOP853") -> list[Passage]:
-    """The orbit's segments, each integrated from its own start."""
+def _spans(orbit: Row) -> list[tuple[np.ndarray, tuple[float, float]]]:
+    """The orbit's segments: the start of each, and when it begins and ends."""
     times = np.append(orbit.cuts, 1.0) * orbit.duration
-    return [
-        passed(system, orbit.parameters, x, begin, end, scale, method)
-        for x, begin, end in zip(orbit.starts, times[:-1], times[1:], strict=True)
-    ]
+    return list(zip(orbit.starts, pairwise(times.tolist()), strict=True))
+
+
+def passages(
+    system: System, orbit: Row, scale: np.ndarray, method: str = "DOP853", relative: float = RELATIVE
+) -> list[Passage]:
+    """The orbit's segments, each integrated from its own start."""
+    return [passed(system, orbit.parameters, x, *span, scale, method, relative) for x, span in _spans(orbit)]
 
 
 def _closed(system: System, orbit: Row, end: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -169,8 +176,8 @@ def _check_orbit(
     """The orbit closes, segment by segment, and its multipliers are those of the variational equations."""
     system, orbit = problem.system, orbit_of(branch, problem, row)
     scale = sizes_of(system, orbit, np.array(row["weights"]), method)
-    pieces = passages(system, orbit, scale, method)
     local = GLOBAL * (problem.discretization or Discretization()).walking + INDEPENDENT
+    pieces = passages(system, orbit, scale, method, max(ASKED * local, RELATIVE))
     factors = [piece.derivative for piece in pieces]
     where = f"{branch.info.free[0]} = {row['free'][0]}"
     for i, piece in enumerate(pieces):

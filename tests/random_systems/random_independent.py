@@ -103,6 +103,9 @@ class Machine:
             if calls > MOST:
                 raise TooLong
             z = y.reshape(n, k, width)
+            if not derivative:
+                slopes = self.field(begin + tau * duration, x + scale * z[:, :, 0], parameters, mode)
+                return (slopes / scale * duration).ravel()
             states = np.repeat((x + scale * z[:, :, 0])[:, :, None], width, axis=2).astype(complex)
             states[:, :, 1:] += 1j * IMAGINARY * scale[:, :, None] * z[:, :, 1:]
             f = self.field((begin + tau * duration)[:, None], states, values, mode)
