@@ -53,7 +53,7 @@ def test_folds_of_a_map(bend) -> None:
     assert_crossed(cw.continue_locus(system, branch, "LP1", RANGES, **FINE), bend)
 
 
-@pytest.mark.parametrize("bend", [0.0, 0.2])
+@pytest.mark.parametrize("bend", [0.0, pytest.param(0.2, marks=pytest.mark.long)])
 def test_a_marked_value_of_a_map(bend) -> None:
     """The gradient of what is held vanishes there, and is one of differences: steps are short beside it."""
     system = map_as_machine(lambda x, p: (0.5 * x[0] + product(p, bend) + 1.0,), "x", VALUES)

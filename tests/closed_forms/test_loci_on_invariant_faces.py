@@ -210,7 +210,7 @@ figures: []
 """
 
 
-@pytest.mark.parametrize("followed", ["BP", "LPPD"])
+@pytest.mark.parametrize("followed", ["BP", pytest.param("LPPD", marks=pytest.mark.long)])
 def test_where_doublings_on_a_face_become_transversally_unstable_three_curves_are_followed(
     tmp_path, followed
 ) -> None:

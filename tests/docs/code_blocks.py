@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import shlex
 import subprocess
 import sys
+from contextlib import chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
+from unittest.mock import patch
+
+from contwalk.cli.entry import run
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -32,10 +37,22 @@ def environment() -> dict[str, str]:
 
 
 def run_command(line: str, where: Path) -> str:
-    """The output of a console line that starts with `contwalk`; it must succeed."""
-    words = shlex.split(line)
-    assert words[0] == "contwalk"
-    return _run([sys.executable, "-m", *words], where)
+    """The output of a console line that starts with `contwalk`; it must succeed.
+
+    It runs in this process: what a process of its own imports takes longer than most of the commands.
+    """
+    program, *words = shlex.split(line)
+    assert program == "contwalk"
+    said, complained = io.StringIO(), io.StringIO()
+    with (
+        patch.dict(os.environ, environment(), clear=True),
+        chdir(where),
+        redirect_stdout(said),
+        redirect_stderr(complained),
+    ):
+        code = run(words)
+    assert code == 0, said.getvalue() + complained.getvalue()
+    return said.getvalue()
 
 
 def run_python(text: str, where: Path) -> str:

@@ -90,6 +90,8 @@ class Study:
         Points that may be found and need not: beyond what the study is about, each shown to be real.
     slow : bool
         Takes seconds: not tried by `make test`.
+    long : bool
+        Slow, and its like is among the others: tried by `make long` alone.
     lost : str
         What is known to be lost or wrong today, in a sentence; empty where nothing is.
     """
@@ -100,6 +102,7 @@ class Study:
     endings: tuple[Ending, ...] = ()
     real: tuple[Value, ...] = ()
     slow: bool = False
+    long: bool = False
     lost: str = ""
 
 

@@ -19,7 +19,9 @@ LOSSES = (AssertionError, RuntimeWarning, ContwalkError)
 def _cases():
     for name, peer in PEERS.items():
         for study in peer.studies:
-            marks = [pytest.mark.slow] if study.slow else []
+            marks = [pytest.mark.slow] if study.slow or study.long else []
+            if study.long:
+                marks.append(pytest.mark.long)
             if study.lost:
                 marks.append(pytest.mark.xfail(reason=study.lost, raises=LOSSES, strict=True))
             yield pytest.param(name, study, id=f"{name}-{study.name}", marks=marks)

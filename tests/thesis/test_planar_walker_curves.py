@@ -52,7 +52,8 @@ def cut(parameter: str, value: float, alpha: float, low: float, high: float) -> 
     )[0]
 
 
-@pytest.mark.parametrize("name", [FEET, pytest.param(INERTIA, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("name", [FEET, INERTIA])
 def test_all_kinds_of_curves_are_there(name) -> None:
     of_one_step = [curve for curve in curves(name, "LP") if curve.info.closure == "legs"]
     assert [len(found) for found in (of_one_step, curves(name, "PD"))] == [1, 3]
@@ -81,13 +82,15 @@ def test_folds_of_two_steps_lead_from_one_generalized_doubling_to_the_other() ->
         assert np.min(np.abs(ends / place - 1.0).max(axis=1)) < 5e-3
 
 
-@pytest.mark.parametrize("name", [FEET, pytest.param(INERTIA, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("name", [FEET, INERTIA])
 def test_fold_and_doublings_meet_in_a_point_that_both_curves_have(name) -> None:
     (one,), (other,) = points(name, "LP", "LPPD"), points(name, "PD", "LPPD")
     assert_one_point(one, other, SECOND[name])
 
 
-@pytest.mark.parametrize("name", [FEET, pytest.param(INERTIA, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("name", [FEET, INERTIA])
 def test_a_foot_that_touches_at_a_doubling_is_found_from_both_curves(name) -> None:
     """Of the gait of one step there are three such points; two confirmed ones are of the hind dip."""
     step = [b for b in curves(name, "GR") if b.info.closure == "legs"]
@@ -117,6 +120,7 @@ def test_cuts_beside_where_the_front_dip_touches_at_the_fold(side) -> None:
         assert_on_curve(INERTIA, of, (point.parameters["alpha"], point.parameters["i2"]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_cuts_beside_where_the_hind_dip_touches_at_a_doubling(side) -> None:
     (doubled,) = [b for b in curves(FEET, "PD") if b.info.closure == "legs"]
@@ -143,6 +147,7 @@ def assert_on_curve(name: str, of: str, place: tuple[float, float], closure: str
     assert off <= NEAR, (of, off)
 
 
+@pytest.mark.long
 def test_doublings_beside_the_fold_are_subcritical_on_both_of_its_sides() -> None:
     """The cubic coefficient has a pole where the doubling meets the fold, and a zero right beside it."""
     branch = cut("rf", 0.1, 0.065, 0.034, 0.066)
@@ -153,6 +158,7 @@ def test_doublings_beside_the_fold_are_subcritical_on_both_of_its_sides() -> Non
     assert labels in (["GPD", "LPPD", "GPD"], ["GPD", "LPPD", "GPD"][::-1])
 
 
+@pytest.mark.long
 def test_curves_pass_the_verified_points_of_table_1() -> None:
     doublings = SLOPE["period_doublings"]
     verified = [("LP", "legs", SLOPE["fold"]["alpha"]), ("PD", "legs", doublings["PD1"])]

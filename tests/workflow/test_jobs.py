@@ -66,13 +66,23 @@ output: pair.h5
 """
 
 
-@pytest.fixture
-def study(tmp_path) -> Path:
+def written(folder: Path) -> Path:
     """Three lines, of branches of equilibria that leave each other, and of an orbit where it is turning."""
-    (tmp_path / "pair.py").write_text(PLUGIN)
-    path = tmp_path / "pair.yaml"
+    (folder / "pair.py").write_text(PLUGIN)
+    path = folder / "pair.yaml"
     path.write_text(STUDY.format(depth=3, values="[0.0, 0.05, 0.4]"))
     return path
+
+
+@pytest.fixture
+def study(tmp_path) -> Path:
+    return written(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory) -> Path:
+    """What one process stores of the study."""
+    return computed(written(tmp_path_factory.mktemp("alone")), "1.h5")
 
 
 def computed(path: Path, name: str, overrides: tuple[str, ...] = (), **given) -> Path:
@@ -96,8 +106,7 @@ def assert_identical(one: Path, other: Path) -> None:
                 assert repr(vars(p)) == repr(vars(q))
 
 
-def test_any_number_of_processes_stores_the_same_bytes(study):
-    alone = computed(study, "1.h5")
+def test_any_number_of_processes_stores_the_same_bytes(study, alone):
     with open_database(alone) as db:
         assert len(db.branches()) == 6
         assert {branch.info.problem for branch in db.branches()} == {"equilibrium", "periodic_orbit"}
@@ -111,7 +120,9 @@ def test_any_number_of_processes_stores_the_same_bytes(study):
         ("autobalancer_load.yaml", ("continue.max_points=25",)),
         ("autobalancer_cascade.yaml", ("continue.max_points=12",)),
         ("planar_slope.yaml", ("continue.max_points=6",)),
-        ("walker3d_figure9.yaml", ("continue.max_points=3", "diagram.depth=1")),
+        pytest.param(
+            "walker3d_figure9.yaml", ("continue.max_points=3", "diagram.depth=1"), marks=pytest.mark.long
+        ),
     ],
 )
 def test_studies_of_the_thesis_are_the_same_on_two_processes(file, short, tmp_path):
@@ -133,8 +144,7 @@ class Interrupting(Reporter):
 
 
 @pytest.mark.parametrize("first", [1, 2])
-def test_what_was_interrupted_goes_on_on_another_number_of_processes(study, first):
-    alone = computed(study, "whole.h5")
+def test_what_was_interrupted_goes_on_on_another_number_of_processes(study, alone, first):
     for number in (7, 90):
         path = study.parent / f"{number}.h5"
         run_file = read_run_file(study, (), str(path))
@@ -232,8 +242,8 @@ def test_a_plugin_that_ends_its_processes_is_told_and_the_run_fails(study, capsy
         assert {branch.outcome.reason for branch in failed} == {"plugin_error"}
 
 
-def test_no_more_processes_begin_than_there_are_processors(study, monkeypatch):
-    alone, begun = computed(study, "1.h5"), []
+def test_no_more_processes_begin_than_there_are_processors(study, alone, monkeypatch):
+    begun = []
 
     class Counted(workers._Process):
         def __init__(self, pool):
@@ -247,8 +257,7 @@ def test_no_more_processes_begin_than_there_are_processors(study, monkeypatch):
     assert set(begun) == {0}
 
 
-def test_a_run_goes_on_though_a_process_is_killed(study, monkeypatch):
-    alone = computed(study, "1.h5")
+def test_a_run_goes_on_though_a_process_is_killed(study, alone, monkeypatch):
     made: list[Workers] = []
     begin = Workers.__init__
     monkeypatch.setattr(Workers, "__init__", lambda own, *given: (made.append(own), begin(own, *given))[1])
@@ -283,14 +292,13 @@ class Breaking:
         return future
 
 
-def test_a_run_goes_on_though_its_pool_breaks(study):
+def test_a_run_goes_on_though_its_pool_breaks(study, alone):
     told: list[str] = []
 
     class Telling(Reporter):
         def note(self, text):
             told.append(text)
 
-    alone = computed(study, "1.h5")
     assert_identical(alone, computed(study, "2.h5", executor=Breaking(), reporter=Telling()))
     said = [text for text in told if text.startswith("A branch is computed in the run's own process")]
     assert said
@@ -309,8 +317,7 @@ class OnlyMap:
         return [function(item) for item in items]
 
 
-def test_any_object_with_map_or_submit_walks(study):
-    alone = computed(study, "1.h5")
+def test_any_object_with_map_or_submit_walks(study, alone):
     pool = OnlyMap()
     assert_identical(alone, computed(study, "map.h5", executor=pool))
     assert pool.calls[0] == 6  # both directions of all lines at once

@@ -37,7 +37,7 @@ system: ./fork.py
 start: {state: {x: 0.0, y: 0.0}}
 continue: {parameter: mu, range: [-1.0, 1.0]}
 mark: {mu: [-0.5, 0.25], max_re: [-0.25]}
-engine: {max_step: 0.01}
+engine: {max_step: 0.02}
 """
 KILLS, MOST_KILLS = 50, 12
 # A run is killed after so many times as long as it takes at the latest: some early, some go on to the end.

@@ -88,7 +88,7 @@ PEER = Peer(
                 Ending("homoclinic", "AUTO-07p to period 500 at two meshes", 0.12010169875, 2e-11),
                 Ending("homoclinic", "AUTO-07p to period 500 at two meshes", 0.11945482404, 2e-11),
             ),
-            slow=True,
+            long=True,
         ),
         Study(
             "p2=18.0",
