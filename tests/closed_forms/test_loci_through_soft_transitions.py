@@ -124,3 +124,58 @@ def test_a_grazing_is_followed_though_its_leg_is_divided_by_soft_transitions() -
     error = marked.errors["force"] + alone.error
     assert abs(marked.parameters["force"] - alone.parameters["force"]) <= error < 1e-8
     assert curve.outcome.reason == "bound"
+
+
+@cache
+def damped_upwards(downwards: float) -> System:
+    """An oscillator below a stop, whose damper is another one while it falls: it reaches the stop, if it
+    just does, where the damper switches, and only while it rises."""
+
+    def damped(c: float):
+        def field(t, x, p, dx):
+            dx[0] = x[1]
+            dx[1] = p.force * math.cos(p.omega * t) - c * x[1] - x[0]
+
+        return field
+
+    return machine(
+        ["q", "v"],
+        {"omega": 1.3, "force": FORCE},
+        {"up": damped(0.3), "down": damped(downwards)},
+        [
+            Transition("falls", "up", "down", lambda t, x, p: x[1], role="soft"),
+            Transition("rises", "down", "up", lambda t, x, p: -x[1], role="soft"),
+            Transition("stop", "up", "down", lambda t, x, p: 1.0 - x[0], reset=bounce),
+        ],
+        period=lambda p: 2.0 * math.pi / p.omega,
+    )
+
+
+def up_to_the_stop(downwards: float, omega: float) -> Branch:
+    given = {"force": 0.1, "omega": omega}
+    found = diagram(
+        damped_upwards(downwards), "force", (0.05, 1.5), STATE, given, until="settled", events={"GR": "stop"}
+    )
+    return found[0]
+
+
+@pytest.mark.parametrize("downwards", [0.3, 0.9])
+def test_a_grazing_at_the_instant_of_a_soft_transition_is_followed(downwards) -> None:
+    """The instant lay in either of two pieces by rounding, and in the latter nothing touches the stop: the
+    curve ended where it began."""
+    curve = cw.continue_locus(
+        damped_upwards(downwards),
+        up_to_the_stop(downwards, 1.2),
+        "GR1",
+        {"omega": (1.0, 1.3), "force": (0.05, 1.5)},
+        marks={"omega": [1.1]},
+        **FINE,
+    )
+    assert curve.outcome.reason == "bound"
+    (marked,) = [p for p in curve.special_points if p.label == "UZ"]
+    alone = up_to_the_stop(downwards, 1.1).special("GR1")
+    error = marked.errors["force"] + alone.error
+    assert abs(marked.parameters["force"] - alone.parameters["force"]) <= error < 1e-8
+    if downwards == 0.3:  # one damper: the amplitude is one
+        exact = [math.hypot(1.0 - w**2, 0.3 * w) for w in curve["omega"]]
+        assert curve["force"] == pytest.approx(exact, rel=1e-6)  # errors of steps of the walk

@@ -107,7 +107,12 @@ def test_all_of_it_is_half_a_stride(name):
 
 
 # They need the databases of other run files, which they name.
-BEGIN_ELSEWHERE = ("walker3d_ground_region", "walker3d_stiffer_ground_knee_damping")
+BEGIN_ELSEWHERE = (
+    "walker3d_ground_region",
+    "walker3d_knee_region",
+    "walker3d_stiffer_ground_knee_damping",
+    "walker3d_stiffer_ground_knee_stiffness",
+)
 
 
 def test_run_files_are_in_the_table():

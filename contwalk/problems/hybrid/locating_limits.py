@@ -169,12 +169,16 @@ def _vanishes(problem: LimitedOrbit, i: int, sample: Near) -> bool:
     transition, duration = problem.itinerary.legs[i].transition, float(sample.z[problem.layout.durations][i])
     if transition is None or abs(duration) > LITTLE * problem.mesh.total or collapses(problem, i):
         return False
-    view = problem.view(_solution(problem, sample))[i]  # of a guess no guard is zero
+    z = _solution(problem, sample)  # of a guess no guard is zero
+    view = problem.view(z)[i]
     _, values, rates = view.guard(transition)
     most = largest(values, rates, view.duration, problem.mesh.total)
     typical = _typical(problem, i, transition, sample)
-    # One that passes zero with a rate is near it all along a short leg; rates are over the leg's own time.
-    turns = abs(float(rates[0])) * problem.mesh.total <= SLOWLY * typical * abs(view.duration)
+    # One that passes zero with a rate is near it all along a short leg. Rates are over the leg's own time: of
+    # a leg that lasts none at all they tell nothing.
+    lasting = view.duration
+    rate = float(rates[0]) / lasting if lasting else _begins_with(problem, i, transition, z, 1)
+    turns = abs(rate) * problem.mesh.total <= SLOWLY * typical
     # What an equation makes zero, such as the guard of the event before, is so to what they are solved to.
     rounded = max(ROUNDED, SOLVED * problem.mesh.tolerance) * typical
     return turns and abs(float(values[0])) <= max(BELOW * most, rounded)

@@ -173,16 +173,26 @@ class OfLimit(Condensed):
             return chosen
         leg = self._leg(found, float(own[0]))
         same = (leg, limit.name, limit.test)
-        number = next((k for k, o in enumerate(explicit.limits) if (o.leg, o.name, o.test) == same), None)
-        if number is None:
-            raise NotFinite(f"'{limit.name}' does not end the piece in which that instant lies")
-        return number
+        return next(k for k, o in enumerate(explicit.limits) if (o.leg, o.name, o.test) == same)
 
     def _leg(self, found: Found, instant: float) -> int:
-        """The piece in which an instant of the leg lies."""
-        group = found.grouping.groups[self.limit.leg]
+        """The piece nearest to an instant of the leg, of those in which the limit's event may happen.
+
+        The instant may be that of the soft transition which disarms the event: the height of a foot in its
+        ground is extreme where its damper switches.
+        """
+        group, limit = found.grouping.groups[self.limit.leg], self.limit
         ends = np.cumsum(found.unknowns[found.explicit.layout.durations][group])
-        return group[min(int(np.searchsorted(ends, instant)), len(group) - 1)]
+        begins = np.append(0.0, ends[:-1])
+        armed = {o.leg for o in found.explicit.limits if (o.name, o.test) == (limit.name, limit.test)}
+        beyond = [
+            (max(begin - instant, instant - end, 0.0), leg)
+            for begin, end, leg in zip(begins, ends, group, strict=True)
+            if leg in armed
+        ]
+        if not beyond:
+            raise NotFinite(f"'{limit.name}' ends none of the pieces of that leg")
+        return min(beyond)[1]
 
     def before(self, found: Found, own: np.ndarray) -> list[int]:
         """The pieces before that of the instant. `own` has the shape (k,)."""
