@@ -161,15 +161,20 @@ def turning() -> System:
     )
 
 
-def map_as_machine(step: Callable, names: str, values: dict[str, float], scale: float = 1.0) -> System:
+def map_as_machine(
+    step: Callable, names: str, values: dict[str, float], *scales: float, scale: float = 1.0
+) -> System:
     """A map as a machine: its field stands still, and once a period of one second a kick applies the map.
 
-    `step(x, p)` returns the image.
+    `step(x, p)` returns the image; `scales` are those of the states, if not all have one.
     """
 
     def still(t, x, p, dx):
         for k in range(len(names)):
             dx[k] = 0.0 * x[k]
+
+    def scaled(name: str, own: float) -> State:
+        return State(name, scale=own)
 
     def clock(t, x, p):
         return (t % 1.0) - 0.5
@@ -181,7 +186,7 @@ def map_as_machine(step: Callable, names: str, values: dict[str, float], scale: 
     return System(
         "map",
         about="a map as a machine",
-        states=tuple(State(name, scale=scale) for name in names),
+        states=tuple(map(scaled, names, scales or [scale] * len(names))),
         parameters=tuple(Parameter(name, value) for name, value in values.items()),
         modes=(Mode("still", still),),
         transitions=(Transition("kick", "still", "still", clock, "rising", reset=kick),),

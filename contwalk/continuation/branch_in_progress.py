@@ -27,7 +27,8 @@ class Start:
     `opening` is an `Outcome` where the start failed; `orbit`: of an orbit; `leaves`: the kind of special
     point that it leaves; `number`: which start of a run it is, counted from 0, then which of those that grow
     out of that one's branch, and so on, where others can make it from that; `above`: of each branch on the
-    way to it, the first one's first, its special points.
+    way to it, the first one's first, its special points; `would_be`: of a start that failed, what is true of
+    its branch beside what all failed ones have.
     """
 
     system: System
@@ -41,6 +42,7 @@ class Start:
     leaves: PointType | None = None
     number: tuple[int, ...] = ()
     above: tuple[tuple[SpecialPoint, ...], ...] = ()
+    would_be: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ def _facts(start: Start) -> dict[str, Any]:
     if start.orbit:
         kind, largest = "hybrid_orbit" if system.has_events else "periodic_orbit", MAX_ABS
     observables = (*[o.name for o in system.observables], largest)
-    return {"problem": kind, "observables": observables, "unknowns": n, "spectrum": n}
+    return {"problem": kind, "observables": observables, "unknowns": n, "spectrum": n, **start.would_be}
 
 
 def check_columns(stored: Stored, info: BranchInfo) -> None:

@@ -16,6 +16,7 @@ from contwalk.branch import Branch, Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.ahead import Ahead, Task, taken_over
 from contwalk.continuation.beyond_depth import BeyondDepth
+from contwalk.continuation.born_there import born_there
 from contwalk.continuation.branch_in_progress import (
     BranchInProgress,
     Start,
@@ -121,6 +122,9 @@ class Diagram:
         twin = self._twin(start)
         if twin is not None:
             return twin
+        before = born_there(start, opening, self.branches)
+        if before is not None:
+            return Known(before.name)
         if start.leaves is not None and start.leaves.births:
             family = next((b.name for b in self.branches if _ends_at_point(b, state)), None)
             if family is not None:

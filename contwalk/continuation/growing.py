@@ -19,6 +19,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
 from contwalk.labels import END, MARK, OF_LOCI
 from contwalk.problems.problem import LimitType, PointType, Problem, Seed
+from contwalk.problems.unbegun import born_of
 
 # Points of two branches are one where the parameter is the same within so many times their errors, and this
 # part of itself: special points that are not the same lie farther apart.
@@ -55,6 +56,7 @@ def grown(
                 orbit=start.orbit or problem.meshed is not None or kind.births,
                 number=(*start.number, number) if start.number else (),
                 above=(*start.above, tuple(special_points)),
+                would_be=born_of(problem, point.label) if isinstance(opening, Outcome) else {},
             )
             number += 1
         if number > daughters + 1 and kind.births:

@@ -16,6 +16,7 @@ import numpy as np
 from contwalk.continuation.locating import Disagreement, Found, accepted
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
+from contwalk.problems.located import CROSSING
 from contwalk.problems.problem import Limit, Located, Problem
 
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
@@ -217,7 +218,7 @@ def final(limit: Limit, located: Located) -> bool:
 
     Where it has become one with what touches, another curve of such orbits crosses.
     """
-    return limit.kind == "terminal" or "crossing" in located.vectors
+    return limit.kind == "terminal" or CROSSING in located.vectors
 
 
 def stopping(problem: Problem, found: list[Found], events: Mapping[str, str]) -> Found | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from contwalk.continuation.detection import bifurcations
@@ -11,6 +12,7 @@ from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.zeros_of_test_functions import zeros_of_test_functions
 from contwalk.numerics.linear import norm_in
+from contwalk.problems.located import CROSSING
 from contwalk.problems.problem import Problem, Sample, Test
 
 # A mark this near to a bifurcation, in parts of the step, is at the same place.
@@ -27,12 +29,21 @@ TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
 
 def everything(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
     """All that tests tell on a segment, and marks; `born`: the branch leaves another one at its beginning."""
-    found = [*bifurcations(segment), *zeros_of_test_functions(segment)]
+    zeros = zeros_of_test_functions(segment)
+    found = [*(f for f in bifurcations(segment) if not _seen_by(f, zeros, segment)), *zeros]
     turns = [*([0.0] if born else []), *(f.theta for f in found if f.type.test in TURNS)]
     for mark in marked(segment, settings.sought, observer, turns):
         at = [f.theta for f in found if f.type.test is not Test.MARK and abs(f.theta - mark.theta) < COINCIDE]
         found.append(replace(mark, theta=at[0]) if at else mark)
     return found
+
+
+def _seen_by(found: Found, zeros: Sequence[Found], segment: Segment) -> bool:
+    """Whether a place where another curve crosses is one that a test function has told as such."""
+    if found.type.test is not Test.ORIENTATION:
+        return False
+    crossings = (zero.located for zero in zeros if CROSSING in zero.located.vectors)
+    return any(norm_in(found.located.z - there.z, segment.weights) < SAME_POINT for there in crossings)
 
 
 def everything_before(
@@ -43,7 +54,7 @@ def everything_before(
     Solutions right beside a leg that vanishes are not to be found, and where another curve crosses they are
     hardly known: there it is looked for a little less far, which the limit is told with.
     """
-    crossed, vanishing = (key in end.located.vectors for key in ("crossing", "vanishing"))
+    crossed, vanishing = (key in end.located.vectors for key in (CROSSING, "vanishing"))
     nearer = (*(() if crossed else (BEFORE_LIMIT,)), *(BEFORE_SINGULAR if crossed or vanishing else ()))
     for less in nearer:
         share = end.theta * (1.0 - less)

@@ -20,7 +20,7 @@ from contwalk.fields import elimination
 from contwalk.fields.codegen import source
 from contwalk.fields.exact_functions import maximum, minimum
 from contwalk.fields.functions import FUNCTIONS
-from contwalk.fields.trace import Program, Raises
+from contwalk.fields.trace import Outputs, Program, Raises
 
 
 class PluginRaised(Exception):
@@ -124,7 +124,7 @@ class Kernel:
     groups : sequence of str
         Names of the input arrays, in the order of the arguments.
     shape : tuple of int, optional
-        Shape of the result; by default a vector of the outputs.
+        Shape of the result; by default a vector of the outputs, shape (k,).
     where : sequence of int, optional
         Flat positions of the outputs in the result, for a sparse result; the rest is zero.
     """
@@ -136,6 +136,8 @@ class Kernel:
         shape: tuple[int, ...] | None = None,
         where: Sequence[int] | None = None,
     ) -> None:
+        if shape is None and where is None:
+            shape = next(((len(leaf.nodes),) for leaf in program.leaves() if isinstance(leaf, Outputs)), None)
         self._take(source(program, groups), program.graph.tables, shape, where)
 
     @classmethod

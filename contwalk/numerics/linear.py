@@ -164,15 +164,21 @@ def balanced(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Its entries are powers of two.
 
     Eigenvalues of a matrix whose states have very different units are accurate only after this
-    (E. E. Osborne, J. ACM 7, 338, 1960).
+    (E. E. Osborne, J. ACM 7, 338, 1960). Of a state that only drives others, or is only driven, units may be
+    anything: couplings that nothing answers are made no larger than the diagonal.
     """
     size = len(matrix)
     d = np.ones(size)
     magnitude = np.abs(matrix)
+    least = float(magnitude.diagonal().max(initial=0.0))
     magnitude.flat[:: size + 1] = 0.0
     for _ in range(20):
         rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
-        ratio = np.divide(rows, columns, out=np.ones(size), where=(rows > 0) & (columns > 0))
+        driven, driving = rows, columns
+        if least > 0.0:
+            driven = np.where((rows == 0.0) & (columns > least), least, rows)
+            driving = np.where((columns == 0.0) & (rows > least), least, columns)
+        ratio = np.divide(driven, driving, out=np.ones(size), where=(driven > 0) & (driving > 0))
         exponents = np.rint(0.25 * np.log2(ratio))
         if not exponents.any():
             break

@@ -8,6 +8,9 @@ from typing import Any
 
 import numpy as np
 
+# What a point's vectors have where another curve crosses: the equations are singular there.
+CROSSING = "crossing"
+
 
 @dataclass(frozen=True)
 class Located:

@@ -134,7 +134,7 @@ def opened_locus(
             )
     known = {name: float(point.parameters[name]) for name in system.parameter_names}
     try:
-        problem, z = _problem(system, branch, point, known, _typical(free, known, settings), discretization)
+        problem, z = _problem(system, branch, point, known, settings, free, discretization)
         state = begin(problem, z, settings)
     except StartError:
         raise
@@ -161,20 +161,21 @@ def _problem(
     branch: Branch,
     point: SpecialPoint,
     known: dict[str, float],
-    typical: Mapping[str, float],
+    settings: Settings,
+    free: tuple[str, str],
     discretization: Any,
 ) -> tuple[Problem, np.ndarray]:
     """The equations of the curve through a special point, and its unknowns there."""
     info = branch.info
     if info.problem == "equilibrium":
-        first, second = typical
-        return locus_at(system, point, known, (first, second), pins_of(system, info), discretization)
+        ranges = dict(zip(free, settings.bounds.values(), strict=True))
+        return locus_at(system, point, known, free, pins_of(system, info), discretization, ranges)
     from contwalk.problems.locus import orbit_starts  # orbits need compiled flows
 
     place = stored_place(branch, point)
     state = place.z[: len(info.states)]
     facts = Facts(system, info, known, None, pins_of(system, info), state, discretization)
-    return orbit_starts.locus_at(facts, point, place.weights, typical)
+    return orbit_starts.locus_at(facts, point, place.weights, _typical(free, known, settings))
 
 
 def _persists(problem: Any, state: ContinuationState) -> bool:

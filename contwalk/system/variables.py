@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -43,6 +44,11 @@ class State:
                 raise SystemDefinitionError(
                     f"State '{self.name}' has {what} {value!r}.", f"A {what} is a positive number."
                 )
+
+
+def declared_scales(states: Sequence[State]) -> np.ndarray:
+    """The scale of each of n states, NaN where none is declared, shape (n,)."""
+    return np.array([np.nan if state.scale is None else state.scale for state in states])
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,11 @@ from typing import Any
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.events import Plan
+from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.unbegun import unbegun
 from contwalk.storage import open_database
 from contwalk.studies.loci import opened_locus
 from contwalk.workflow.run_file.reading import RunFile, StartSpec
@@ -94,7 +96,8 @@ class _Given:
 def _start(given: _Given, branch: Branch, point: SpecialPoint, origin: str) -> Start:
     opening = opened_locus(given.system, branch, point, given.free, given.settings, given.discretization)
     known = {name: float(point.parameters[name]) for name in given.system.parameter_names}
-    return Start(given.system, given.free[0], known, opening, origin)
+    would_be = {} if isinstance(opening, Opening) else unbegun(point.label, given.free, branch.info.problem)
+    return Start(given.system, given.free[0], known, opening, origin, would_be=would_be)
 
 
 def _stored(run_file: RunFile, spec: StartSpec) -> tuple[Branch, SpecialPoint]:

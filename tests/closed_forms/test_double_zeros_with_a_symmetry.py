@@ -41,11 +41,11 @@ def test_hopf_points_pass_the_double_zero_where_their_own_parameter_stands_still
     assert curve.outcome.reason == "bound"
     assert np.all(curve["nu"] == 0.0)
     assert (curve["mu"].min(), curve["mu"].max()) == RANGES["mu"]
-    for label, kind in (("BT", "branch point"), ("BP", None)):
-        (point,) = labelled(curve, label)
-        assert (point.status, point.kind) == ("located", kind)
-        assert abs(point.parameters["mu"]) <= point.errors["mu"] < 1e-30
-        assert not point.coefficients  # it has a normal form of its own
+    (point,) = labelled(curve, "BT")
+    assert not labelled(curve, "BP")  # it is where another curve crosses, and told once
+    assert (point.status, point.kind) == ("located", "branch point")
+    assert abs(point.parameters["mu"]) <= point.errors["mu"] < 1e-30
+    assert not point.coefficients  # it has a normal form of its own
 
 
 def test_branch_points_have_it_as_well(system) -> None:
@@ -59,10 +59,11 @@ def test_a_crossing_at_zero_is_left_in_units_that_are_none_of_rounding(system) -
     problem = cw.Equilibrium(system, system.defaults() | {"mu": 0.5, "nu": -0.5}, "nu")
     branch = cw.continue_branch(problem, [0.5**0.5, 0.0], range=RANGES["nu"])
     curve = cw.continue_locus(system, branch, "HB1", {"nu": RANGES["nu"], "mu": RANGES["mu"]})
-    (point,) = labelled(curve, "BP")
+    (point,) = labelled(curve, "BT")  # its pair is imaginary on both sides, and zero there
+    assert (point.kind, labelled(curve, "BP")) == ("branch point", [])
     there, _ = reopened(system, curve, point)
-    (kind,) = [kind for kind in there.point_types if kind.has(point)]
-    (seed,) = kind.seeds(there, point)
+    (kind, *_) = [kind for kind in there.point_types if kind.has(point)]
+    seed = next(seed for seed in kind.seeds(there, point) if seed.problem.curve.of == "HB")
     state = begin(seed.problem, seed.z, Settings(range=RANGES["nu"], second_range=RANGES["mu"]))
     assert isinstance(state, ContinuationState)
     assert state.sample.z[:2] == pytest.approx([0.0, 0.0], abs=1e-15)  # the other curve is of the state zero
@@ -99,3 +100,33 @@ def test_both_curves_of_hopf_points_begin_where_branches_cross() -> None:
     assert alike[:2] == pytest.approx(alike[2:4], abs=1e-7)
     assert alike[-1] - 5.6 - 2.0 * alike[-2] == pytest.approx(0.0, abs=1e-7)
     assert abs(apart[0] - apart[2]) > 1e-3  # a hundredth of a unit aside, not right beside the point
+
+
+@pytest.fixture(scope="module")
+def apart():
+    """The system of coupled Brusselators, and the curve of Hopf points of the other mode, begun afar."""
+    system = small_system(coupled, ["x", "y", "u", "v"], {"B": 5.5, "D": 0.35})
+    problem = cw.Equilibrium(system, system.defaults(), "B")
+    branch = cw.continue_branch(problem, [2.0, 2.75, 2.0, 2.75], range=(5.5, 9.0))
+    ranges = {"B": (3.0, 12.0), "D": (0.05, 10.0)}
+    return system, cw.continue_locus(system, branch, "HB1", ranges)
+
+
+def test_the_double_zero_is_come_to_from_afar(apart) -> None:
+    """B = 5.6 + 2 D; the equations of a double zero are singular there, and what creeps ends beside it."""
+    _, curve = apart
+    assert curve.outcome.reason == "bound"
+    (point,) = labelled(curve, "BT")
+    assert (point.kind, labelled(curve, "BP")) == ("branch point", [])
+    off = point.parameters["B"] - 5.6 - 2.0 * point.parameters["D"]
+    assert abs(off) <= point.errors["B"] + 2.0 * point.errors["D"] + 1e-15  # rounding of the sum itself
+
+
+def test_folds_of_cycles_begin_where_harmonics_are_large(apart) -> None:
+    """The fold's own equations begin at a cycle, not at the circle that a cycle is to first order."""
+    system, curve = apart
+    (point,) = labelled(curve, "GH")
+    there, _ = reopened(system, curve, point)
+    (kind,) = [kind for kind in there.point_types if kind.has(point)]
+    (seed,) = kind.seeds(there, point)
+    assert seed.label == "LP"

@@ -335,7 +335,10 @@ def test_that_there_was_no_curve_is_no_longer_said_when_there_is_one(tmp_path):
         runner.run(run_file, figures=False, reporter=told, resume=number > 2)
         with cw.open_database(tmp_path / "fold.h5") as database:
             notes.append((runner.NO_CURVE in told.notes, "loci" in database.notes()))
+            curves = [branch for branch in database.branches() if branch.info.problem == "locus"]
     assert notes == [(True, True), (False, False)]
+    # x is zero to rounding all along: by what it does not do any magnitude is told of it, and errors of 110.
+    assert np.nanmax(curves[0].points["error"]) < 1e-14  # in the metric: some ulps of parameters of size one
 
 
 def test_a_start_beside_which_equations_have_no_value_does_not_end_the_run(place, monkeypatch):
@@ -347,3 +350,20 @@ def test_a_start_beside_which_equations_have_no_value_does_not_end_the_run(place
     monkeypatch.setattr(studies_of_loci, "correct", valueless)
     result = computed(place, "two", output="valueless.h5", figures=False)
     assert [branch.info.settings["of"] for branch in result.branches] == ["HB", "LP"]
+
+
+def test_a_curve_that_cannot_be_begun_is_told_as_one(place, monkeypatch) -> None:
+    def valueless(*args, **others) -> None:
+        raise NotFinite("the equations have no value there")
+
+    monkeypatch.setattr(studies_of_loci, "begin", valueless)
+    result = computed(place, "two", output="unbegun.h5", figures=False)
+    assert {branch.outcome.status for branch in result.branches} == {"failed"}
+    with cw.open_database(result.path) as db:
+        told = document(db)
+    jsonschema.validate(
+        told, json.loads(files("contwalk.storage").joinpath("interface.schema.json").read_text())
+    )
+    curves = [(b["problem"], b["of"], b["of_problem"], b["free"]) for b in told["branches"]]
+    both = ["alpha", "delta"]
+    assert curves[:2] == [("locus", of, "equilibrium", both) for of in ("HB", "LP")]

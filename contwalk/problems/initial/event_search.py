@@ -25,6 +25,7 @@ from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.itinerary import Leg
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
+from contwalk.system.variables import declared_scales
 
 # What a return misses by, in units of the variation: of a motion that has settled; at all.
 SETTLED, NEARLY = 1e-5, 0.2
@@ -109,7 +110,10 @@ class Search:
         known = np.maximum(seen, LEAST * np.maximum(np.abs(x), reached))
         largest = float(known.max())
         # What is zero, or nothing against the others, will be more than that.
-        return np.where(known > ROUNDING * largest, known, LEAST * largest if largest > 0.0 else 1.0)
+        filled = np.where(known > ROUNDING * largest, known, LEAST * largest if largest > 0.0 else 1.0)
+        # Of what has hardly moved the plugin knows more.
+        scales = declared_scales(self.system.states)
+        return np.where(seen <= LEAST * scales, scales, filled)
 
     def stretch(
         self, machine: HybridMachine, t: float, x: np.ndarray, mode: str, weights: np.ndarray

@@ -8,6 +8,7 @@ import numpy as np
 
 from contwalk.problems.orbit.shooting import CONSTANT
 from contwalk.system import State
+from contwalk.system.variables import declared_scales
 
 # A state below this part of the largest one is rounding of it, and so is one below `LEAST`.
 ROUNDING, LEAST = 1e-9, 1e-250
@@ -29,7 +30,7 @@ def magnitudes_on(declared: Sequence[State], states: np.ndarray, tolerance: floa
     ndarray, shape (n,)
     """
     ranges, sizes = 0.5 * np.ptp(states, axis=0), np.maximum(np.abs(states).max(axis=0), 1e-300)
-    scales = np.array([state.scale or np.nan for state in declared])
+    scales = declared_scales(declared)
     shares = ranges / np.maximum(sizes, ROUNDING * sizes.max())
     still = (shares <= CONSTANT * shares.max()) | (shares <= 10.0 * tolerance)
     own = np.where(sizes > max(ROUNDING * sizes.max(), LEAST), sizes, 1.0)

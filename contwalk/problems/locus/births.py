@@ -7,7 +7,7 @@ curve of Hopf points where c1 has the other sign than l2, a cycle of that amplit
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from contwalk.problems.locus.normal_forms import cubic_rate
 from contwalk.problems.locus.orbit_curves import CURVES
 from contwalk.problems.locus.orbit_locus import OrbitLocus
 from contwalk.problems.locus.orbit_places import OrbitPlane
+from contwalk.problems.locus.points.point import sizes
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
@@ -38,6 +39,8 @@ SMALLER, LARGER = 0.8, 1.25
 BESIDE = (1e-3, 3e-4, 3e-3, 1e-2, 3e-2, 1e-1)
 # At double and zero-Hopf points: the amplitude of the first of two cycles, over the root of how far aside.
 AMPLITUDE = 0.3
+# A parameter is no smaller than this part of half its range.
+SHARE = 1e-2
 
 
 def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
@@ -67,7 +70,7 @@ def _found_beside(
 ) -> Sequence[Seed]:
     """As `born_beside`, of a curve of Hopf points."""
     there = problem.at(z)
-    return born_beside(there, z, _sizes(there, z), lengths, born)
+    return born_beside(there, z, sizes(there, z), lengths, born)
 
 
 def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | None:
@@ -75,31 +78,90 @@ def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | 
 
     `origin` are the second and the first parameter at the generalized Hopf point, shape (2,).
     """
-    kappa, rate = problem.kappa(z), _cubic_rate(problem, z)
+    rate = _cubic_rate(problem, z)
     if not rate * l2 < 0.0:
         return None
-    amplitude = float(np.sqrt(-rate / (2.0 * l2)))
-    values, free, n = problem.values_of(z), (problem.free, str(problem.plane.second)), problem.states
-    seed = _cycles(problem, z, kappa, rate)
-    assert seed.tangent is not None
-    orbit: Any = seed.problem
-    swing = 2.0 * amplitude * seed.tangent[:-1]  # the critical vector has the length one
-    near = np.concatenate([seed.z[:-1] + swing, [values[free[1]], values[free[0]]]])
-    there, own = OrbitPlane(orbit, free).first(near)
-    made = there.finely(own)
-    sizes = filled_magnitudes(made, own)
-    typical = [max(abs(values[name]), 1e-2) for name in reversed(free)]
-    weights = np.concatenate([sizes[:-1], typical])
-    curve = OrbitLocus(OrbitPlane(made, free), CURVES["LP"], (near, weights))
-    normal = np.concatenate([swing, [0.0, 0.0]]) / weights**2  # the amplitude is held
-    solved = newton_on(curve, near, weights, normal)  # type: ignore[arg-type]
-    moved = float(np.linalg.norm((solved - near)[:n] + swing[:n]) / np.linalg.norm(swing[:n]))
-    if not SMALLER < moved < LARGER:
-        return None
-    # Towards the point itself cycles shrink to nothing: only the other way is walked.
-    away = kernel_direction(curve.linearize(solved).jacobian, weights)
-    away = away * (np.sign(float((away / weights**2)[-2:] @ (solved[-2:] - origin))) or 1.0)
-    return Seed("LP", solved, away, None, curve, one_sided=True)
+    cycles = _Cycles(problem, z)
+    expected = cycles.amplitude(float(np.sqrt(-rate / (2.0 * l2))))
+    return cycles.curve("LP", cycles.of(expected), expected, origin)
+
+
+class _Cycles:
+    """The cycles that are born at a Hopf point, on a line across the curve of these: along it none grows.
+
+    Parameters
+    ----------
+    problem : EquilibriumLocus
+        The curve of Hopf points.
+    z : ndarray, shape (N + 1,)
+        One of its solutions.
+    lean : float
+        How much the line leans along the curve.
+    """
+
+    def __init__(self, problem: Any, z: np.ndarray, lean: float = 0.0) -> None:
+        values, self.free = problem.values_of(z), (problem.free, str(problem.plane.second))
+        self.typical = _typical(problem, values, self.free)
+        seed = _cycles(problem, z, problem.kappa(z), _cubic_rate(problem, z))
+        assert seed.tangent is not None
+        born: Any = seed.problem
+        self.place = np.array([values[self.free[1]], values[self.free[0]]])
+        along = kernel_direction(problem.at(z).linearize(z).jacobian, sizes(problem.at(z), z))[-2:]
+        along = along / self.typical
+        across = np.array([along[1] + lean * along[0], lean * along[1] - along[0]])
+        self.across = across / np.linalg.norm(across) * self.typical
+        rest = np.concatenate([seed.z[:-1], self.place])
+        self.orbit = OrbitPlane(born, self.free).on_tangent(rest, self.across)
+        self.rest = np.append(seed.z[:-1], 0.0)
+        self.units = np.append(filled_magnitudes(self.orbit, self.rest)[:-1], 1.0)
+        self.unit = float(np.linalg.norm(seed.tangent / self.units))
+        self.swing = seed.tangent / self.unit
+
+    def amplitude(self, r: float) -> float:
+        """That in the metric, of one in the length of the critical vector."""
+        return 2.0 * r * self.unit
+
+    def of(self, amplitude: float) -> np.ndarray:
+        """The cycle of an amplitude in the metric, shape (M + 1,).
+
+        Raises
+        ------
+        ContwalkError, LinAlgError
+            If there is none.
+        """
+        return newton_on(
+            self.orbit, self.rest + amplitude * self.swing, self.units, self.swing / self.units**2
+        )
+
+    def curve(
+        self,
+        label: str,
+        cycle: np.ndarray,
+        expected: float,
+        origin: np.ndarray,
+        further: Sequence[float] = (),
+    ) -> Seed | None:
+        """The curve of a bifurcation of the cycles, begun at a cycle of about the expected amplitude.
+
+        `further` are the unknowns that the curve has beside the cycle's, `origin` the second and the first
+        parameter at the point that it is born at, shape (2,). None where it has none of that amplitude.
+
+        The cycle has the shape (M + 1,).
+        """
+        made, n = self.orbit.finely(cycle), len(cycle) - 1
+        near = np.concatenate([cycle[:-1], further, self.place + cycle[-1] * self.across])
+        sizes_there = [filled_magnitudes(made, cycle)[:-1], np.ones(len(further)), self.typical]
+        weights = np.concatenate(sizes_there)
+        curve = OrbitLocus(OrbitPlane(made, self.free), CURVES[label], (near, weights))
+        held = np.concatenate([self.swing[:-1], np.zeros(len(near) - n)]) / weights**2
+        solved = newton_on(curve, near, weights, held)  # type: ignore[arg-type]
+        amplitude = float(held[:n] @ (solved[:n] - self.rest[:-1])) / float(held[:n] @ self.swing[:-1])
+        if not SMALLER * expected < amplitude < LARGER * expected:
+            return None
+        # Towards the point itself cycles shrink to nothing: only the other way is walked.
+        away = kernel_direction(curve.linearize(solved).jacobian, weights)
+        away = away * (np.sign(float((away / weights**2)[-2:] @ (solved[-2:] - origin))) or 1.0)
+        return Seed(label, solved, away, None, curve, one_sided=True)
 
 
 def tori_of_cycles(problem: Any, z: np.ndarray, leaning: Sequence[float] = (0.0,)) -> Sequence[Seed]:
@@ -137,49 +199,23 @@ def _torus(problem: Any, z: np.ndarray, r: float, origin: np.ndarray, lean: floa
     `r` is the amplitude of the first of two cycles, in the metric, `origin` the second and the first
     parameter at the point, shape (2,). `lean` is how much the cycles' line leans along the curve.
     """
-    values, free = problem.values_of(z), (problem.free, str(problem.plane.second))
-    typical = np.array([max(abs(values[name]), 1e-2) for name in reversed(free)])
-    seed = _cycles(problem, z, problem.kappa(z), _cubic_rate(problem, z))
-    assert seed.tangent is not None
-    born: Any = seed.problem
-    place = np.concatenate([seed.z[:-1], [values[free[1]], values[free[0]]]])
-    # The cycles on a line across the curve of Hopf points: along it none grows.
-    along = kernel_direction(problem.at(z).linearize(z).jacobian, _sizes(problem.at(z), z))[-2:] / typical
-    across = np.array([along[1] + lean * along[0], lean * along[1] - along[0]])
-    across = across / np.linalg.norm(across) * typical
-    orbit = OrbitPlane(born, free).on_tangent(place, across)
-    rest = np.append(seed.z[:-1], 0.0)
-    sizes = np.append(filled_magnitudes(orbit, rest)[:-1], 1.0)
-    swing = seed.tangent / np.linalg.norm(seed.tangent / sizes)
-    normal = swing / sizes**2
+    cycles = _Cycles(problem, z, lean)
 
-    def cycle(amplitude: float) -> np.ndarray:
-        return newton_on(orbit, rest + amplitude * swing, sizes, normal)
+    def growth(amplitude: float) -> float:
+        return float(np.log(abs(_turning(cycles.orbit, cycles.of(amplitude)))))
 
-    expected = amplitude_of_neutral(lambda s: float(np.log(abs(_turning(orbit, cycle(s))))), r)
+    expected = amplitude_of_neutral(growth, r)
     if expected is None:
         return None
-    guess = cycle(expected)
-    multiplier = _turning(orbit, guess)
-    made = orbit.finely(guess)
-    cosine = multiplier.real / abs(multiplier)
-    near = np.concatenate([guess[:-1], [cosine], place[-2:] + guess[-1] * across])
-    weights = np.concatenate([filled_magnitudes(made, guess)[:-1], [1.0], typical])
-    curve = OrbitLocus(OrbitPlane(made, free), CURVES["NS"], (near, weights))
-    held = np.concatenate([swing[:-1], np.zeros(3)]) / weights**2
-    solved = newton_on(curve, near, weights, held)  # type: ignore[arg-type]
-    amplitude = float(held[:-3] @ (solved[:-3] - rest[:-1])) / float(held[:-3] @ swing[:-1])
-    if not SMALLER * expected < amplitude < LARGER * expected:
-        return None
-    away = kernel_direction(curve.linearize(solved).jacobian, weights)
-    away = away * (np.sign(float((away / weights**2)[-2:] @ (solved[-2:] - origin))) or 1.0)
-    return Seed("NS", solved, away, None, curve, one_sided=True)
+    guess = cycles.of(expected)
+    multiplier = _turning(cycles.orbit, guess)
+    return cycles.curve("NS", guess, expected, origin, [multiplier.real / abs(multiplier)])
 
 
-def _sizes(problem: Any, z: np.ndarray) -> np.ndarray:
-    """Typical magnitudes of z, one where nothing tells, shape (N + 1,)."""
-    known = problem.linearize(z).magnitudes
-    return np.where(np.isfinite(known) & (known > 0.0), known, 1.0)
+def _typical(problem: Any, values: Mapping[str, float], free: Sequence[str]) -> np.ndarray:
+    """Typical magnitudes of the second and the first parameter, shape (2,)."""
+    least = SHARE * np.array((1.0, 1.0) if problem.spans is None else problem.spans)
+    return np.maximum([abs(values[name]) for name in reversed(free)], least)
 
 
 def _turning(orbit: Any, z: np.ndarray) -> complex:

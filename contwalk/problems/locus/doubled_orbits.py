@@ -127,6 +127,8 @@ def born_beside(
     `born` is asked at solutions to both sides, with how far aside they are in the metric of the weights.
     """
     tangent = kernel_direction(problem.linearize(z).jacobian, weights)
+    # One and the same side first, from whichever curve the point is come to.
+    tangent = tangent * np.sign(tangent[np.argmax(np.abs(tangent / weights))])
     for aside in lengths:
         for sign in (1.0, -1.0):
             try:

@@ -47,18 +47,23 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         What it is of.
     near : ndarray, shape (N,), optional
         The place that the borders are made at.
+    spans : pair of float, optional
+        Half the widths of the ranges of the second and the first parameter, where these are known.
     """
 
     kind = "locus"
     meshed = limited = None
 
-    def __init__(self, plane: Plane, curve: Curve, near: np.ndarray) -> None:
-        self.plane, self.curve = plane, curve
+    def __init__(
+        self, plane: Plane, curve: Curve, near: np.ndarray, spans: tuple[float, float] | None = None
+    ) -> None:
+        self.plane, self.curve, self.spans = plane, curve, spans
         self.system, self.line = plane.system, plane.line
         self.free, self.parameters, self.pins = plane.free, plane.parameters, plane.pins
         self.states, self.discretization = plane.states, plane.discretization
         self.point_types: Sequence[PointType] = POINT_TYPES[curve.of]
         self.near = self.in_plane(near)
+        self.weights: np.ndarray | None = None  # of the metric that it is walked in, where that is known
         self.augmented = Augmented(plane, (curve.condition(plane, self.near, self.own(near)),))
         self.size = plane.size + curve.own + 1
         self.periods = np.insert(plane.periods, plane.size, [0.0] * curve.own)
@@ -136,7 +141,9 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
             magnitudes = np.insert(magnitudes, size, np.nan)  # an unfolding is zero; what it is is noise
         elif self.curve.pair:
             magnitudes = np.insert(magnitudes, size, self._kappa_magnitude(z, magnitudes))
-        sizes = np.where(magnitudes > 0.0, np.maximum(magnitudes, np.abs(z)), np.abs(z))
+        # Beside a place where all that an unknown does vanishes, any magnitude is told of it.
+        told = magnitudes if self.weights is None else np.minimum(magnitudes, self.weights)
+        sizes = np.where(told > 0.0, np.maximum(told, np.abs(z)), np.abs(z))
         rows = jacobian[size:]
         return np.concatenate([own, levels + EPSILON * (np.abs(rows) @ sizes) + TINY]), magnitudes
 
@@ -248,15 +255,15 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         """
         place, size = self.in_plane(z), self.plane.size
         there = np.concatenate([place[:size], [own] * curve.own, place[size:]])
-        return EquilibriumLocus(self.plane, curve, there), there
+        return EquilibriumLocus(self.plane, curve, there, self.spans), there
 
     def at(self, z: np.ndarray) -> EquilibriumLocus:
         """The same curve with borders from the critical vectors at z, shape (N + 1,)."""
-        return EquilibriumLocus(self.plane, self.curve, z)
+        return EquilibriumLocus(self.plane, self.curve, z, self.spans)
 
     def adapted(self, sample: Sample) -> tuple[EquilibriumLocus, Sample]:
         """The curve with borders for what follows a solution, and the solution's sample with them."""
-        there = self.at(sample.z)
+        there = self.at_stored(sample.z, sample.weights)
         lin = there.linearize(sample.z)
         again = there.examine(sample.z, sample.tangent, sample.weights, lin, sample.unstable)
         kept = replace(
@@ -266,7 +273,9 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> EquilibriumLocus:
         """The curve with borders for a solution that is taken up again; both arguments of shape (N + 1,)."""
-        return self.at(z)
+        there = self.at(z)
+        there.weights = weights
+        return there
 
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one."""
@@ -299,3 +308,9 @@ def plane_of(
     """
     first, second = free
     return Plane(system, parameters, first, None, pins, reference, discretization, second)
+
+
+def spans_of(ranges: Mapping[str, Sequence[float]], names: tuple[str, str]) -> tuple[float, float] | None:
+    """Half the widths of the ranges of two parameters; None where one is not known, or has no end."""
+    first, second = (0.5 * (ranges[n][1] - ranges[n][0]) if n in ranges else np.nan for n in names)
+    return (float(first), float(second)) if np.isfinite(first + second) else None

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.labels import RANGES
 from contwalk.problems.locus.curves import curve_of
-from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus, plane_of
+from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus, plane_of, spans_of
 from contwalk.problems.restoring import Facts
 
 
@@ -29,4 +30,7 @@ def _of_equilibria(facts: Facts) -> EquilibriumLocus:
     curve = curve_of(facts.info.settings)
     own = [1.0 if curve.pair else 0.0] * curve.own
     drifts = np.zeros(len(facts.pins))
-    return EquilibriumLocus(plane, curve, np.concatenate([facts.state, drifts, own, known]))
+    place = np.concatenate([facts.state, drifts, own, known])
+    return EquilibriumLocus(
+        plane, curve, place, spans_of(facts.info.settings.get(RANGES, {}), (second, first))
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from contwalk.problems.locus.curves import (
     PairAt,
     RealEigenvalueAt,
 )
-from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus, plane_of
+from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus, plane_of, spans_of
 from contwalk.problems.problem import MAX_RE
 from contwalk.system import Neutral, System
 
@@ -33,6 +33,7 @@ def locus_at(
     free: tuple[str, str],
     pins: Sequence[Neutral] = (),
     discretization: Any = None,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> tuple[EquilibriumLocus, np.ndarray]:
     """The curve through a located special point of equilibria, and that point's z, shape (N + 1,).
 
@@ -49,6 +50,8 @@ def locus_at(
         Neutral directions pinned along the branch.
     discretization : Discretization, optional
         Of the orbits that are born on the branch.
+    ranges : mapping, optional
+        Those of both parameters, by name.
 
     Raises
     ------
@@ -62,7 +65,7 @@ def locus_at(
     plane = plane_of(system, parameters, free, pins, state, discretization)
     values = [parameters[name] for name in reversed(free)]
     z = np.concatenate([state, drifts, [own] * curve.own, values])
-    return EquilibriumLocus(plane, curve, z), z
+    return EquilibriumLocus(plane, curve, z, spans_of(ranges or {}, (free[1], free[0]))), z
 
 
 def followed_from(system: System, point: SpecialPoint, free: tuple[str, str]) -> tuple[Curve, float]:

@@ -10,6 +10,7 @@ from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.meshing import runs_of
 from contwalk.problems.orbit.shooting import AT_REST
+from contwalk.system.variables import declared_scales
 
 # Size of a state that starts show nothing of, against the largest; tolerance of steps for magnitudes only.
 UNSEEN, ROUGH = 1e-2, 1e-7
@@ -48,8 +49,9 @@ def _discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None) 
     typical, least = (np.ones(problem.states), NO_UNIT) if mesh is None else (mesh.magnitudes, AT_REST)
     if np.all(reached <= least * typical):
         reached = typical
-    # What is zero at the starts of segments is not zero on them.
-    reached = np.maximum(reached, UNSEEN * float(reached.max()))
+    # What is zero at the starts of segments is not zero on them; of some states the plugin tells how large.
+    scales = declared_scales(problem.system.states)
+    reached = np.maximum(reached, np.where(np.isfinite(scales), scales, UNSEEN * float(reached.max())))
     rough = problem.adapted_to(z, problem.weighted(reached), max(problem.discretization.walking, ROUGH))
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 

@@ -68,6 +68,12 @@ class SectionMap(ABC):
     def reach(self, q: np.ndarray) -> float:
         """How many times q, shape (r,), moves a state by its largest value on the orbit, at the section."""
 
+    def unit_of_cubic(self, q: np.ndarray) -> float:
+        """A cubic coefficient of a deviation q, shape (r,), by which deviations as large as the states on the
+        orbit change by as much as they are; of smaller states than their units, by as large as the units.
+        """
+        return max(self.reach(q), 1.0) ** -2
+
     def critical(self, value: complex) -> tuple[np.ndarray, np.ndarray]:
         """q and p of an eigenvalue of A, |q| = 1 over the orbit and p @ q = 1; the largest entry of q is
         positive.
@@ -179,7 +185,8 @@ def cubic_of_flip(map_: SectionMap) -> tuple[float, float]:
     h = np.linalg.solve(np.eye(len(q)) - map_.a, map_.b(q, q))
     third = map_.curve(q)[2]
     total = map_.curve(q, h)[2]
-    return float(p @ total) / 6.0, float(np.abs(p) @ (np.abs(third) + np.abs(total - third))) / 6.0
+    terms = float(np.abs(p) @ (np.abs(third) + np.abs(total - third))) / 6.0
+    return float(p @ total) / 6.0, max(terms, map_.unit_of_cubic(q))
 
 
 def torus(map_: SectionMap, theta: float) -> dict[str, Any]:
@@ -214,7 +221,8 @@ def cubic_of_torus(map_: SectionMap, theta: float) -> tuple[complex, float]:
     third = {phi: map_.curve(_turned(q, phi), _turned(h20, 2.0 * phi) + 2.0 * h11)[2] for phi in turns}
     alone, whole = map_.curve(_turned(q, 0.0))[2], third[0.0]
     d = complex(np.conj(turn) * (p @ _harmonic(third, 1))) / 6.0
-    return d, float(np.abs(p) @ (np.abs(alone) + np.abs(whole - alone))) / 6.0
+    terms = float(np.abs(p) @ (np.abs(alone) + np.abs(whole - alone))) / 6.0
+    return d, max(terms, map_.unit_of_cubic(q))
 
 
 def _turned(v: np.ndarray, phi: float) -> np.ndarray:

@@ -22,6 +22,9 @@ ON_CIRCLE = 1e-3
 SINGLE = 1e-8
 # Two coefficients that differ by less than this part of them are equal, as where areas are preserved.
 EQUAL = 1e-9
+# A resonant coefficient below this part of its unit is none, as where the orbit is a wave that rotates: there
+# what is over it is not told.
+NONE = 1e-9
 SCALED = "|q| = 1 over the orbit, p.q = 1"
 
 
@@ -72,7 +75,7 @@ def one_to_three(map_: SectionMap) -> dict[str, Any]:
     drive = map_.c_squared(q) + map_.b_complex(q.conj(), h20) + 2.0 * map_.b_complex(q, h11)
     c = float((np.conj(turn) * 0.5 * (p @ drive)).real)
     found = {"b": abs(b), "c": c}
-    if abs(b) > 0.0:
+    if abs(b) > NONE * map_.unit_of_cubic(q) ** 0.5:
         found["a"] = c / abs(b) ** 2 - 1.0
     return {
         **found,
@@ -93,7 +96,7 @@ def one_to_four(map_: SectionMap) -> dict[str, Any]:
     cube = (map_.c_cubed(q) + 3.0 * map_.b_complex(q, h20)).conj()
     d = complex(p @ cube) / 6.0
     found = {"d": abs(d)}
-    if abs(d) > 0.0:
+    if abs(d) > NONE * map_.unit_of_cubic(q):
         ratio = -1j * c / abs(d)
         found |= {"A_real": ratio.real, "A_imag": ratio.imag}
     return {

@@ -19,8 +19,8 @@ from contwalk.special_point import allowed_error
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
 RESONANT = 1e-6
 # A coefficient this small is zero: deviations as large as the orbit, or as the states on it where they move
-# little (the ripple of a converter), would do nothing. Below the last no derivative tells it from rounding.
-VANISHES, ROUNDED = 1e-9, 1e-13
+# little (the ripple of a converter), would do nothing.
+VANISHES = 1e-9
 # How well a coefficient is known is told by steps of this many times the tolerance: some ten times its error.
 COARSER = 10.0
 # Multipliers that meet are known to the root of rounding only.
@@ -138,8 +138,7 @@ def known(
 def negligible(problem: OrbitData, located: Located, value: complex) -> float:
     """Below what a cubic coefficient of a critical multiplier is zero, as of a linear system."""
     map_ = problem.return_map(located.z)
-    reach = map_.reach(map_.critical(value)[0])
-    return max(VANISHES / max(reach, 1.0) ** 2, ROUNDED)
+    return VANISHES * map_.unit_of_cubic(map_.critical(value)[0])
 
 
 def criticality_of(

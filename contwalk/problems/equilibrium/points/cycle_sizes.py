@@ -15,6 +15,7 @@ from contwalk.errors import PluginError
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.lyapunov import critical_space, lyapunov
+from contwalk.system.variables import declared_scales
 
 # Samples of a round, and harmonics that are solved for: some orders of a small cycle.
 SAMPLES, HARMONICS = 32, 6
@@ -45,7 +46,10 @@ class CycleSizes:
         self.right = chosen / np.linalg.norm(chosen)
         self._square = _square_per_change(point) if right is None else self._own_square()
         self._first = 2.0 * np.abs(self.right)
-        self._by_itself = self._first > FAINT * self._first.max()
+        scales = declared_scales(equilibrium.system.states)
+        units = np.where(np.isfinite(scales), scales, 1.0)
+        self._faint = FAINT * float((self._first / units).max()) * units
+        self._by_itself = self._first > self._faint
         self._shift = np.abs(equilibrium.solve_states(z, jacobian[:n, -1]))
         self._inverses = [self._inverse(k) for k in range(HARMONICS + 1)]
 
@@ -85,7 +89,7 @@ class CycleSizes:
         higher = np.zeros(len(self._first)) if moved is None else moved * (wanted / rho) ** 2
         sizes = np.where(self._by_itself, wanted * self._first, higher + self._shift * change)
         still = 1e-12 * np.abs(self._z[: len(sizes)])
-        least = np.maximum(FAINT * wanted * self._first.max(), still)
+        least = np.maximum(wanted * self._faint, still)
         return np.where(sizes > 0.0, np.maximum(sizes, still), least)
 
     def _moved(self, rho: float) -> np.ndarray | None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, PluginError
+from contwalk.problems.located import CROSSING
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
 from contwalk.problems.locus.orbit_points.switching import crossing_born, where_two_cross
 from contwalk.problems.orbit.augmented import Augmented
@@ -29,8 +30,6 @@ ASIDE = 0.1
 # How far, in the metric, and how often a located point is displaced to see noise of its equations, which is
 # farther than differences of rounded numbers stand still; the error is so many times what is seen.
 NUDGE, NUDGES, TIMES = 1e-7, 4, 4.0
-# Where a located point keeps the tangents of both curves.
-WAYS = "crossing"
 
 
 @dataclass(frozen=True)
@@ -154,7 +153,8 @@ def crossing_system(problem: Any, sample: Sample) -> Augmented:
         return np.concatenate([own.residual + y[width] * column, corners]), jacobian
 
     def vectors(there: Any, y: np.ndarray) -> dict[str, Any]:
-        return {WAYS: where_two_cross(there, y[:width], held.columns, held.rows)}
+        # The tangents of both curves.
+        return {CROSSING: where_two_cross(there, y[:width], held.columns, held.rows)}
 
     start, scale = np.append(sample.z, 0.0), np.append(sample.weights, 1.0)
     return Augmented(evaluate, start, scale, vectors)
@@ -176,7 +176,7 @@ def tangent_through(located: Located, near: Sample) -> np.ndarray | None:
 
     Shape (W,). None of a point at which no curves cross.
     """
-    found = located.vectors.get(WAYS)
+    found = located.vectors.get(CROSSING)
     if not found:
         return None
     products = [float((t / near.weights) @ (near.tangent / near.weights)) for t in found]

@@ -41,7 +41,7 @@ class VanishingCubic(OrbitLocusPoint):
         resonances its terms are large, and their errors with them, while it may stay what it is.
         """
         found, terms = self._with_terms(problem, sample.z)
-        hidden = abs(found) <= max(VANISHES, known_to(problem)) * max(terms, 1.0)
+        hidden = abs(found) <= max(VANISHES, known_to(problem)) * terms
         return math.copysign(UNSURE, found) if hidden else found
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:

@@ -51,12 +51,12 @@ def turning_angle(problem: Any, sample: Sample, cosine: float) -> Located | None
         return None
     z, inner = _interpolated(PLACES, np.array(solved), place), np.array(solved[1:-1])
     least, known = float(problem.further(z)[0]) - cosine, known_to(there)
-    interpolated = float(np.abs(problem.further(z - _interpolated(PLACES[1:-1], inner, place)))[0])
-    if abs(least) > SURE * known + interpolated:
+    between = np.abs(z - _interpolated(PLACES[1:-1], inner, place))
+    if abs(least) > SURE * known + float(problem.further(between)[0]):
         return None
     curvature = 2.0 * abs(float(np.polyfit(PLACES, values, 2)[0]))
     off = 2.0 * abs(place - rougher) + known / (curvature * BESIDE)
-    errors = np.abs(off * sample.tangent[-2:]) + known * sample.weights[-2:]
+    errors = np.abs(off * sample.tangent[-2:]) + known * sample.weights[-2:] + between[-2:]
     second, first = problem.plane.free[1], problem.plane.free[0]
     named = {first: float(errors[1]), second: float(errors[0])}
     return Located(z, named[first], {"errors": named, "turning": True}, refined=True, problem=there)

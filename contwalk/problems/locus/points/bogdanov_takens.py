@@ -10,20 +10,24 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.points.point import Form
+from contwalk.problems.located import CROSSING
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, DoubleZero
 from contwalk.problems.locus.curves import HOPF_POINTS
 from contwalk.problems.locus.normal_forms import bogdanov_takens_coefficients
-from contwalk.problems.locus.points.crossing import both_born, located_by_units
+from contwalk.problems.locus.points.crossing import (
+    NO_DOUBLE_ZERO,
+    Crossing,
+    at_zero,
+    both_born,
+    located_by_units,
+)
 from contwalk.problems.locus.points.persisting import KIND, better, zeros_born
 from contwalk.problems.locus.points.point import LocusPoint, born, located_by
 from contwalk.problems.locus.points.second_zero import second_zero, two_vectors
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 TWO = "double zero"
-# A kappa this small, in the metric, is that of a pair zero; and what tells a point that was located so.
-ROUNDED, CROSSING = 1e-6, "crossing"
-NO_FORM = "no normal form: that of Bogdanov-Takens points is not the one at branch points"
 
 
 class BogdanovTakens(LocusPoint):
@@ -81,7 +85,7 @@ class SecondZeroOnBranchPoints(SecondZero):
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """None: the normal form is that of the symmetry."""
-        return None, None, {}, NO_FORM
+        return None, None, {}, NO_DOUBLE_ZERO
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curves of Hopf points that end there, of each of the branches."""
@@ -94,10 +98,7 @@ def _where_curves_cross(problem: Any, sample: Sample) -> Located | None:
         found = located_by_units(problem, sample)
     except np.linalg.LinAlgError:
         return None
-    size = problem.plane.size
-    if found is None or abs(found.z[size]) > ROUNDED * sample.weights[size]:
-        return None
-    return _told(found)
+    return _told(found) if found is not None and at_zero(problem, found, sample) else None
 
 
 def _told(found: Located | None) -> Located | None:
@@ -120,8 +121,9 @@ class VanishingFrequency(BogdanovTakens):
     test, of_place, saddles = Test.VALUE, True, True
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of folds, or of branch points."""
-        return zeros_born(problem, point)
+        """The curve of folds; or that of branch points, and that of the other branch's Hopf points."""
+        crossing = Crossing().seeds(problem, point) if point.kind == KIND else ()
+        return [*crossing, *zeros_born(problem, point)]
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The double zero near a sample; where branches cross for good, as a crossing of curves.
@@ -132,8 +134,8 @@ class VanishingFrequency(BogdanovTakens):
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The coefficients a and b, where branches do not cross for good."""
-        crossing = located.vectors.get(CROSSING, False)
-        return (KIND, None, {}, NO_FORM) if crossing else super().form(problem, located, sample)
+        crossing = CROSSING in located.vectors
+        return (KIND, None, {}, NO_DOUBLE_ZERO) if crossing else super().form(problem, located, sample)
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The square of the frequency."""

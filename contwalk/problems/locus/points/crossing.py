@@ -30,6 +30,9 @@ from contwalk.problems.problem import Located, Sample, Seed, Test
 FAINT = 1e-6
 # The corners of the bordered equations, in their units, below which a point that is located is a crossing.
 SINGULAR = 1e-6
+# A kappa this small, in the metric, is that of a pair zero.
+ROUNDED = 1e-6
+NO_DOUBLE_ZERO = "no normal form: that of Bogdanov-Takens points is not the one at branch points"
 
 
 class Crossing(LocusPoint):
@@ -62,6 +65,12 @@ class Crossing(LocusPoint):
         parent = parent / np.linalg.norm(parent)
         other = min(found, key=lambda t: abs(float((t / weights) @ parent)))
         return (beside("BP", there, z, other),)
+
+
+def at_zero(problem: Any, found: Located, sample: Sample) -> bool:
+    """Whether the pair of a curve of Hopf points is zero at a point located near a sample."""
+    size = problem.plane.size
+    return abs(float(found.z[size])) <= ROUNDED * float(sample.weights[size])
 
 
 def _place(point: SpecialPoint, names: Sequence[str]) -> np.ndarray:

@@ -32,11 +32,18 @@ def branch_point(problem: Any, sample: Sample) -> BranchPoint:
 
 
 def better(sample: Sample, found: Located | None, crossing: Located | None) -> Located | None:
-    """A point near a sample by a fold's condition, or by a branch point's if there is one."""
+    """A point near a sample by a fold's condition, or by a branch point's if there is one.
+
+    Newton's method that creeps may end some way off a crossing, farther from the sample than that is.
+    """
     if found is None or crossing is None:
         return found or crossing
-    apart = np.abs(found.z - crossing.z) / sample.weights
-    return crossing if np.max(apart) < THERE else found
+
+    def apart(a: np.ndarray, b: np.ndarray) -> float:
+        return float(np.max(np.abs(a - b) / sample.weights))
+
+    creeping = apart(crossing.z, sample.z) < apart(found.z, sample.z)
+    return crossing if creeping or apart(found.z, crossing.z) < THERE else found
 
 
 def persists(located: Located) -> bool:

@@ -57,9 +57,14 @@ def beside(label: str, curve: Any, z: np.ndarray, tangent: np.ndarray) -> Seed:
 
 
 def sizes(curve: Any, z: np.ndarray) -> np.ndarray:
-    """Typical magnitudes at z on a curve, one where nothing tells; both of shape (N + 1,)."""
-    told = curve.linearize(z).magnitudes
-    return np.where(np.isfinite(told) & (told > 0.0), told, 1.0)
+    """Typical magnitudes at z on a curve, one where nothing tells, and half their ranges of parameters.
+
+    Both have the shape (N + 1,).
+    """
+    told, unknown = curve.linearize(z).magnitudes, np.ones(len(z))
+    if curve.spans is not None:
+        unknown[-2:] = curve.spans
+    return np.where(np.isfinite(told) & (told > 0.0), told, unknown)
 
 
 def located_by(

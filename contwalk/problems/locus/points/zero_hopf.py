@@ -15,7 +15,7 @@ from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.conditions import Augmented, Pair, Zero
 from contwalk.problems.locus.curves import FOLDS, HOPF_POINTS
 from contwalk.problems.locus.normal_forms import zero_hopf_coefficients
-from contwalk.problems.locus.points.crossing import Crossing, located_by_units
+from contwalk.problems.locus.points.crossing import NO_DOUBLE_ZERO, Crossing, at_zero, located_by_units
 from contwalk.problems.locus.points.persisting import KIND, NOTE, better, branch_point, persists
 from contwalk.problems.locus.points.point import LocusPoint, born, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
@@ -155,8 +155,15 @@ class ZeroWhereCurvesCross(Crossing):
         return found or super().locate(problem, sample, which) or located_by_units(problem, sample)
 
     def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of a zero-Hopf point; of neutral saddles that of a crossing."""
+        """The record of a zero-Hopf point; of neutral saddles that of a crossing.
+
+        Where the curve of the branch beside comes to the double zero, its pair is zero there and on no side
+        of it a saddle's.
+        """
         kappa = float(problem.kappa(located.z))
+        if at_zero(problem, located, sample):
+            record = super().describe(problem, located, sample, s)
+            return replace(record, label="BT", kind=KIND, note=NO_DOUBLE_ZERO)
         if not kappa > 0.0:
             return super().describe(problem, located, sample, s)
         vectors = {**located.vectors, "own": np.array([kappa]), "augmented": problem.augmented}
