@@ -13,7 +13,8 @@ from matplotlib.lines import Line2D
 from contwalk import quantities
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
-from contwalk.labels import MARK, MEANINGS
+from contwalk.labels import MEANINGS
+from contwalk.plotting.contours import is_contour, level_of, middle, quantity_of
 from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.quantities import axis_label, called
 from contwalk.plotting.special_points import legend_entries, marker
@@ -38,7 +39,7 @@ def plot_locus(
     units: Mapping[str, str] | None = None,
     report: Callable[[str], None] = lambda text: None,
 ) -> Axes:
-    """Draw curves in two parameters: neutral saddles dotted, special points named.
+    """Draw curves in two parameters: neutral saddles dotted, special points named, contours with values.
 
     Parameters
     ----------
@@ -77,6 +78,7 @@ def plot_locus(
         inks.append(points)
         _draw(ax, branch, name, points)
         labels += _draw_special(ax, branch, name, points, known)
+    labels += _levels(drawn, inks)
     ax.margins(x=0.05, y=0.1)
     ax.autoscale_view()
     legend_above(ax, _meanings(drawn))
@@ -91,7 +93,7 @@ def plot_locus(
 
 def _color(branch: Branch) -> str:
     of = str(branch.info.settings["of"])
-    if of == MARK:
+    if is_contour(branch):
         return GREY
     return COLORS[OF.index(of) if of in OF else len(OF)]
 
@@ -102,7 +104,7 @@ def saddles(branch: Branch) -> np.ndarray:
 
 
 def _look(branch: Branch) -> dict[str, Any]:
-    return CONTOUR if branch.info.settings["of"] == MARK else LINE
+    return CONTOUR if is_contour(branch) else LINE
 
 
 def _draw(ax: Axes, branch: Branch, name: str, points: np.ndarray) -> None:
@@ -139,13 +141,31 @@ def _draw_special(
     return labels
 
 
+def _levels(drawn: Sequence[Branch], lines: Sequence[np.ndarray]) -> list[Label]:
+    """The values of contours, each half way along its line."""
+    span = np.ptp(np.concatenate(lines), axis=0)
+    span[span == 0.0] = 1.0
+    labels = []
+    for branch, points in zip(drawn, lines, strict=True):
+        if is_contour(branch):
+            x, y = middle(points, span)
+            labels.append(Label(f"{level_of(branch):.6g}", x, y, dark(GREY), owner=branch.name, plain=True))
+    return labels
+
+
+def _meaning(of: str, alike: Sequence[Branch]) -> str:
+    """What a line of a label means; of contours, what has the value that stands beside it."""
+    names = [quantity_of(branch) for branch in alike if is_contour(branch)]
+    return " and ".join(dict.fromkeys(names)) + " at the value beside it" if names else MEANINGS.get(of, of)
+
+
 def _meanings(drawn: Sequence[Branch]) -> list[Any]:
     """What lines and markers mean; only what occurs."""
     handles: list[Any] = []
     for of in dict.fromkeys(str(branch.info.settings["of"]) for branch in drawn):
-        alike = next(branch for branch in drawn if branch.info.settings["of"] == of)
-        text = f"{of}  {MEANINGS.get(of, of)}"
-        handles.append(Line2D([], [], color=_color(alike), label=text, **_look(alike)))
+        alike = [branch for branch in drawn if branch.info.settings["of"] == of]
+        text = f"{of}  {_meaning(of, alike)}"
+        handles.append(Line2D([], [], color=_color(alike[0]), label=text, **_look(alike[0])))
     if any(saddles(branch).any() for branch in drawn):
         handles.append(Line2D([], [], color=INK, label="neutral saddles", **SADDLE))
     points = [point for branch in drawn for point in branch.special_points if point.label != "EP"]
