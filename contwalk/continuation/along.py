@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from contwalk.continuation.locating import Found
@@ -41,12 +43,14 @@ def located_along(segment: Segment, kind: PointType, low: float, high: float, wh
 
 def _zero(segment: Segment, kind: PointType, low: float, high: float) -> float | None:
     """Where the function of a kind passes zero, to rounding."""
+    return zero_of(lambda theta: kind.value(segment.problem, segment.at(theta)), low, high)
 
-    def value(theta: float) -> float:
-        return kind.value(segment.problem, segment.at(theta))
+
+def zero_of(value: Callable[[float], float], low: float, high: float) -> float | None:
+    """Where a function of the position on a segment passes zero, to rounding; None where it does not."""
 
     def attempt(theta: float, left: float, right: float) -> float | None:
-        return theta if right - left < NARROW else None
+        return theta if right - left < NARROW or value(theta) == 0.0 else None
 
     ends = value(low), value(high)
     if not ends[0] * ends[1] < 0.0:

@@ -189,7 +189,8 @@ class Diagram:
         """Put the branches that leave a branch into the queue."""
         if self._plan.by_generation:
             leave = leading(self._plan, start, problem, branch.special_points)
-            self._beyond.tell(branch.name, [point for point, _ in leave], start.depth)
+            away = [point for point, kind in leave if not kind.goes_on(point)]
+            self._beyond.tell(branch.name, away, start.depth)
         seeds = list(grown(self._plan, start, problem, branch.name, branch.special_points))
         self._seeds.extend(seeds)
         if self._ahead is not None and start.number:

@@ -32,14 +32,15 @@ def grown(
     plan: Plan, start: Start, problem: Problem, name: str, special_points: Sequence[SpecialPoint]
 ) -> Iterator[Start]:
     """Starts for the branches that leave the special points of the branch of a start, which has this name."""
-    if start.depth >= plan.depth:
-        return
     number = 0
     # Where orbits become those of a branch of less, that may be the one they come from, or one that nobody
     # has followed: a start like others, which is known or not.
     returned = {p.index for p in special_points if p.label == END and p.kind == "rejoined"}
     several: list[SpecialPoint] = []
     for point, kind in leading(plan, start, problem, special_points):
+        deeper = not kind.goes_on(point)
+        if deeper and start.depth >= plan.depth:
+            continue
         if any(_at_once(point, other) for other in several):
             continue  # pairs that a symmetry makes one: the cycles of all of them have left the first
         daughters = number
@@ -51,7 +52,7 @@ def grown(
                 opening=opening,
                 origin=f"{name}/{point.name}",
                 parent=(name, point.s) if daughter else None,
-                depth=start.depth + 1,
+                depth=start.depth + deeper,
                 leaves=kind if daughter else None,
                 orbit=start.orbit or problem.meshed is not None or kind.births,
                 number=(*start.number, number) if start.number else (),
@@ -99,6 +100,8 @@ def _followed(plan: Plan, kind: PointType, point: SpecialPoint) -> bool:
 
     A kind may tell its points by other labels: a crossing of two curves is the point that it is on both.
     """
+    if kind.goes_on(point):
+        return True
     if isinstance(kind, LimitType) and not kind.declared and kind.label not in OF_LOCI:
         return plan.settings.events.get(kind.label) == "switch"
     return kind.label in plan.follow or point.label in plan.follow

@@ -11,6 +11,7 @@ from contwalk.continuation import branch_jumps, control, domain_edge, kinks_pass
 from contwalk.continuation.attempt import Attempt, Refusal, attempt
 from contwalk.continuation.back_at_parent import WentOver, back_at_parent
 from contwalk.continuation.detection import at_the_end
+from contwalk.continuation.end_within import up_to_end
 from contwalk.continuation.locating import Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.newton import Correction, Explanation, text_of
@@ -138,7 +139,10 @@ def _taken(
     if outcome and not (outcome.reason == "unbounded" and towards_a_bound(segment.b, settings)):
         if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
             raise TooLong("The orbit shrinks to nothing within the step.")
-        return outcome
+        short = up_to_end(segment)
+        if short is None:
+            return outcome
+        segment = short
     found = _special(segment, settings, observer, smallest, state)
     if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
         raise TooLong("The step ends at a limit, to within its errors.")

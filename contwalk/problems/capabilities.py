@@ -98,6 +98,12 @@ class Diagnosis(Protocol):
         """Why the branch ends between two neighbouring solutions, if it does."""
         ...
 
+    def end_functions(self, sample: Sample) -> tuple[float, ...]:
+        """Functions that are positive beyond an end that `ended` tells, whose zeros are the end; none where
+        the end is no place on the branch.
+        """
+        ...
+
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z is not finite. z has the shape (N + 1,)."""
         ...

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
@@ -26,6 +25,7 @@ from contwalk.problems.capabilities import Diagnosis, Equivalence, Mirror, Obser
 from contwalk.problems.linearization import Linearization
 from contwalk.problems.located import Located
 from contwalk.problems.parameter_line import ParameterLine
+from contwalk.problems.point_test import Test
 from contwalk.problems.sample import Sample
 
 __all__ = [
@@ -77,23 +77,6 @@ class Seed:
     problem: Problem
     one_sided: bool = False
     other_side: np.ndarray | None = None
-
-
-class Test(Enum):
-    """What tells that a special point lies between two neighbouring solutions.
-
-    Every curve of solutions has the first three, so that the engine computes them; a kind of point that they
-    do not tell has a function of its own.
-    """
-
-    TURN = "the parameter's share of the unit tangent changes its sign"
-    ORIENTATION = "the sign of det [DF; tangent] changes"
-    STABILITY = "a stability measure passes zero"
-    TOGETHER = "stability measures are zero together, unseen by the orientation"
-    VALUE = "the function `value` of the kind passes zero"
-    MARGIN = "what must stay positive for solutions to be the machine's passes zero"
-    MARK = "the user asks for it"
-    END = "the branch ends there"
 
 
 class PointType:
@@ -168,6 +151,10 @@ class PointType:
     def has(self, point: SpecialPoint) -> bool:
         """Whether a stored point is of this kind."""
         return point.label == self.label
+
+    def goes_on(self, point: SpecialPoint) -> bool:
+        """Whether what leaves a stored point is the same in other unknowns: it is always followed."""
+        return False
 
     def critical(self, point: SpecialPoint, sample: Sample) -> complex:
         """The eigenvalue that is critical at a stored point."""

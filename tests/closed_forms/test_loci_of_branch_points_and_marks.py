@@ -141,7 +141,7 @@ def test_a_value_of_the_largest_real_part(level) -> None:
     found = marked({"max_re": [level]})
     np.testing.assert_allclose(found["B"] - 1.0 - found["A"] ** 2, 2.0 * level, atol=1e-13)
     # The pair's imaginary part vanishes where A = |level|; beyond there are two real ones: neither is held.
-    assert found["A"].min() > abs(level)
+    assert found["A"].min() == pytest.approx(abs(level), rel=1e-13)
 
 
 def test_zero_as_the_largest_real_part_is_the_curve_of_hopf_points() -> None:

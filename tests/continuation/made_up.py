@@ -169,6 +169,9 @@ class MadeUp(OwnMeasures):
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         return z
 
+    def end_functions(self, sample: Sample) -> tuple[float, ...]:
+        return ()
+
     def ended(self, a: Sample, b: Sample) -> None:
         return None
 

@@ -58,6 +58,10 @@ class EquilibriumDiagnosis:
             f"{b.z[away.which]:.4g} at {free} = {b.parameter:.10g}. Nothing to do.",
         )
 
+    def end_functions(self, sample: Sample) -> tuple[float, ...]:
+        """None: nothing but growth ends a branch of equilibria."""
+        return ()
+
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z, shape (N + 1,), is not finite, or a derivative of it."""
         beside = (

@@ -12,6 +12,7 @@ from contwalk.branch import Outcome
 from contwalk.problems.equilibrium.diagnosis import VANISHING, EquilibriumDiagnosis
 from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kink import Kink, Met
+from contwalk.problems.locus.lead import lead_of_others
 from contwalk.problems.locus.persistence import NOTHING, not_persistent
 from contwalk.problems.sample import Sample
 
@@ -30,7 +31,11 @@ class LocusDiagnosis:
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Branch points that do not persist, an eigenvalue that is marked no longer, and what runs off."""
-        return self._unfolded(b) or self._overtaken(b) or self._escaped(a, b)
+        return self._unfolded(b) or self._overtaken(a, b) or self._escaped(a, b)
+
+    def end_functions(self, sample: Sample) -> tuple[float, ...]:
+        """How far other eigenvalues are ahead of those that are marked; how near a pair is to being real."""
+        return lead_of_others(self.problem, sample.z, sample.eigenvalues)
 
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z, shape (N + 1,), is not finite."""
@@ -80,7 +85,7 @@ class LocusDiagnosis:
             return None
         return Outcome("failed", "no_convergence", not_persistent(self.problem, b.z))
 
-    def _overtaken(self, b: Sample) -> Outcome | None:
+    def _overtaken(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve of the largest real part where that is another eigenvalue's."""
         problem = self.problem
         level = problem.curve.real_part
@@ -94,8 +99,8 @@ class LocusDiagnosis:
         return Outcome(
             "complete",
             "stop_at",
-            f"The largest real part is another eigenvalue's beyond {first} = {b.parameter:.10g}: the curve "
-            f"of max_re = {level:.10g} goes on there with that one. Start from a marked point beyond.",
+            f"The largest real part is another eigenvalue's beyond {first} = {a.parameter:.10g}: the curve "
+            f"of max_re = {level:.10g} goes on there with that one, as another branch.",
         )
 
     def _escaped(self, a: Sample, b: Sample) -> Outcome | None:

@@ -48,6 +48,10 @@ class OrbitLocusDiagnosis:
             reasons += [self._comes_to_a_loop, self._lost]
         return next((found for reason in reasons if (found := reason(a, b))), None)
 
+    def end_functions(self, sample: Sample) -> tuple[float, ...]:
+        """None: what ends a curve lies beyond all of its orbits."""
+        return ()
+
     def _comes_to_a_loop(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve that comes to homoclinic or heteroclinic orbits.
 

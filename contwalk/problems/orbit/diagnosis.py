@@ -40,6 +40,10 @@ class OrbitDiagnosis:
         found = (reason(self._orbit, a, b) for reason in reasons)
         return next((outcome for outcome in found if outcome is not None), None)
 
+    def end_functions(self, sample: Sample) -> tuple[float, ...]:
+        """None: what ends a family lies beyond all of its orbits."""
+        return ()
+
     def growth(self, z: np.ndarray) -> str:
         """By how much deviations grow over a segment of a closure where that is too much, and what helps.
 

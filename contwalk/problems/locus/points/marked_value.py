@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.conditions import Augmented, Level, ParameterAt
 from contwalk.problems.locus.plane import Place
+from contwalk.problems.locus.points.corner import beyond_corner
 from contwalk.problems.locus.points.point import LocusPoint, located_by
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.problem import Located, Sample, Seed, Test
 from contwalk.quantities import FREQUENCY_SQUARED
 
 
@@ -21,6 +24,14 @@ class EndPoint(LocusPoint):
     """The curve ends."""
 
     label, test = "EP", Test.END
+
+    def goes_on(self, point: SpecialPoint) -> bool:
+        """Whether another eigenvalue may have taken over there what is marked."""
+        return point.kind == "stop_at"
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of the eigenvalue that has the largest real part from there on."""
+        return beyond_corner(problem, point)
 
 
 def marked_on(problem: Any, name: str, level: float, sample: Sample) -> Located | None:
