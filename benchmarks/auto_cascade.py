@@ -111,4 +111,4 @@ def equations(delta: float) -> str:
     """AUTO's equation file of the autobalancer with heavy correction masses; PAR(1) is delta."""
     system = cw.load_system("autobalancer", {"masses": 2})
     values = {**system.presets["heavy"], "delta": delta}
-    return equation_file(system, values, "delta", system.named_states("balanced", values)[0])
+    return equation_file(system, values, ["delta"], system.named_states("balanced", values)[0])

@@ -35,10 +35,15 @@ FUNCTIONS = ("sinh", "cosh", "tanh", "sin", "cos", "exp")
 
 @dataclass(frozen=True)
 class Row:
-    """A point in AUTO's output: its type, as a number, and the parameter."""
+    """A point in AUTO's output: its type, as a number, and its columns from the first parameter on."""
 
     label: str
-    value: float
+    columns: tuple[str, ...]
+
+    @property
+    def value(self) -> float:
+        """The first parameter."""
+        return float(self.columns[0])
 
 
 def built(home: Path, folder: Path, equations: str) -> None:
@@ -63,19 +68,23 @@ def run(folder: Path, constants: str, solution: Path | None = None) -> tuple[flo
     with (folder / "fort.2").open() as given:
         seconds = seconds_of(["./equations"], cwd=folder, stdin=given, env=alone)
     rows = [line.split() for line in (folder / "fort.7").read_text().splitlines()]
-    return seconds, [Row(row[2], float(row[4])) for row in rows if row and row[0] != "0"]
+    return seconds, [Row(row[2], tuple(row[4:])) for row in rows if row and row[0] != "0"]
 
 
-def equation_file(system: System, values: Mapping[str, float], free: str, start: np.ndarray) -> str:
-    """AUTO's equation file of a system's first mode; PAR(1) is the parameter `free`."""
+def equation_file(system: System, values: Mapping[str, float], free: Sequence[str], start: np.ndarray) -> str:
+    """AUTO's equation file of a system's first mode; PAR(1) and so on are the parameters `free`."""
     n, program = len(system.states), field_program(system)
     names, value = _fortran(program, n)
-    more, derivatives = _fortran(_with_derivatives(program, n, system.parameter_names.index(free)), n)
-    # AUTO passes no room for the derivative by the parameter where it asks only for the Jacobian.
+    moved = [system.parameter_names.index(name) for name in free]
+    more, derivatives = _fortran(_with_derivatives(program, n, moved), n)
+    # AUTO passes no room for the derivatives by parameters where it asks only for the Jacobian.
     derivatives = derivatives.replace("        DFDP(", "        IF (IJAC == 2) DFDP(")
     numbers = {name: f"({_double(repr(float(values[name])))})" for name in system.parameter_names}
-    fixed = ["free" if name == free else number for name, number in numbers.items()]
-    declared = "\n".join(f"      DOUBLE PRECISION {name}" for name in sorted({*names, *more}))
+    fixed = [f"free{free.index(name)}" if name in free else number for name, number in numbers.items()]
+    given = "\n".join(f"      free{k} = PAR({k + 1})" for k in range(len(free)))
+    begun = "\n".join(f"      PAR({k + 1}) = {numbers[name][1:-1]}" for k, name in enumerate(free))
+    local = sorted({*names, *more, *(f"free{k}" for k in range(len(free)))})
+    declared = "\n".join(f"      DOUBLE PRECISION {name}" for name in local)
     texts = [re.sub(r"\bp\((\d+)\)", lambda m: fixed[int(m[1]) - 1], text) for text in (value, derivatives)]
     states = "\n".join(f"      U({i + 1}) = {_double(repr(float(x)))}" for i, x in enumerate(start))
     return f"""      SUBROUTINE FUNC(NDIM, x, ICP, PAR, IJAC, F, DFDU, DFDP)
@@ -84,9 +93,8 @@ def equation_file(system: System, values: Mapping[str, float], free: str, start:
       DOUBLE PRECISION, INTENT(IN) :: x(NDIM), PAR(*)
       DOUBLE PRECISION, INTENT(OUT) :: F(NDIM)
       DOUBLE PRECISION, INTENT(INOUT) :: DFDU(NDIM, NDIM), DFDP(NDIM, *)
-      DOUBLE PRECISION free
 {declared}
-      free = PAR(1)
+{given}
       IF (IJAC == 0) THEN
 {texts[0]}
       ELSE
@@ -99,7 +107,7 @@ def equation_file(system: System, values: Mapping[str, float], free: str, start:
       INTEGER, INTENT(IN) :: NDIM
       DOUBLE PRECISION, INTENT(INOUT) :: U(NDIM), PAR(*)
       DOUBLE PRECISION, INTENT(IN) :: T
-      PAR(1) = {_double(repr(float(values[free])))}
+{begun}
 {states}
       END SUBROUTINE STPNT
 
@@ -107,14 +115,14 @@ def equation_file(system: System, values: Mapping[str, float], free: str, start:
 """
 
 
-def _with_derivatives(program: Program, n: int, parameter: int) -> Program:
-    """The field, its Jacobian column by column, and its derivative by one parameter."""
+def _with_derivatives(program: Program, n: int, parameters: Sequence[int]) -> Program:
+    """The field, its Jacobian column by column, and its derivatives by some parameters."""
     graph = program.graph
-    along = [*(graph.input(STATE, i) for i in range(n)), graph.input(PARAMETER, parameter)]
+    along = [*(graph.input(STATE, i) for i in range(n)), *(graph.input(PARAMETER, k) for k in parameters)]
 
     def change(outputs: tuple[int, ...]) -> Sequence[int]:
         rows = jacobian(graph, outputs, along)
-        return [*outputs, *(row.get(k, graph.zero) for k in range(n + 1) for row in rows)]
+        return [*outputs, *(row.get(k, graph.zero) for k in range(len(along)) for row in rows)]
 
     return program.transformed(change)
 
@@ -125,7 +133,7 @@ def _fortran(program: Program, n: int) -> tuple[list[str], str]:
     *statements, last = (line.strip() for line in lines)
     places = range(1, n + 1)
     targets = [f"F({i})" for i in places] + [f"DFDU({i},{k})" for k in places for i in places]
-    targets += [f"DFDP({i},1)" for i in places]
+    targets += [f"DFDP({i},{k})" for k in (1, 2) for i in places]
     results = last.removeprefix("return [").removesuffix("]").split(", ")
     statements += [f"{target} = {result}" for target, result in zip(targets, results, strict=False)]
     return [line.split(" = ")[0] for line in statements if line.startswith("t")], "\n".join(

@@ -88,7 +88,7 @@ def _built(problem: str, home: Path, folder: Path) -> int:
     system, given = module.SYSTEM, module.PEER.studies[0].run
     state = np.array([given["start"]["state"][name] for name in system.state_names])
     branch = cw.continue_branch(cw.Equilibrium(system, system.defaults(), "I"), state, (0.0, 1e-3))
-    built(home, folder, equation_file(system, system.defaults(), "I", branch.points[0]["state"]))
+    built(home, folder, equation_file(system, system.defaults(), ["I"], branch.points[0]["state"]))
     return len(system.states)
 
 

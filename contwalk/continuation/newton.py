@@ -208,8 +208,11 @@ def _from_beside(
 ) -> Correction | None:
     """Newton's method from where the derivatives at another solution lead; None where that finds nothing.
 
-    Some corrections without new derivatives count as one iteration, as after Newton's steps.
+    Some corrections without new derivatives count as one iteration, as after Newton's steps. Derivatives of
+    equations that are exact, as of equilibria, cost no more than their residual.
     """
+    if equations.problem.meshed is None:
+        return None
     steps = list[np.ndarray]()
     try:
         z = _approached(equations.problem, beside, condition, steps)

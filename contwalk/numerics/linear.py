@@ -23,24 +23,34 @@ def equilibration(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rows, columns = np.zeros(matrix.shape[0], dtype=int), np.zeros(matrix.shape[1], dtype=int)
     for _ in range(5):  # D. Ruiz (2001): half of each excess from the rows, half from the columns
         excess = _largest(exponents, 1)
-        rows -= (excess + 1) // 2
-        exponents = exponents - ((excess + 1) // 2)[:, None]
+        half = (excess + 1) >> 1
+        rows -= half
+        exponents -= half[:, None]
         excess = _largest(exponents, 0)
-        columns -= (excess + 1) // 2
-        exponents = exponents - (excess + 1) // 2
-        if excess.min() > -2 and excess.max() < 2:
+        half = (excess + 1) >> 1
+        columns -= half
+        exponents -= half
+        if np.minimum.reduce(excess) > -2 and np.maximum.reduce(excess) < 2:
             break
     rows -= _largest(exponents, 1)
-    return np.ldexp(1.0, rows), np.ldexp(1.0, columns)
+    return _power(rows), _power(columns)
 
 
 _NO_ENTRY = -100_000
+# Factors end where normal floats do: of what has diverged no others are needed.
+_LEAST, _MOST = -1022, 1022
+
+
+def _power(exponents: np.ndarray) -> np.ndarray:
+    """Powers of two, the nearest to those asked for that are floats."""
+    return np.ldexp(1.0, np.minimum(np.maximum(exponents, _LEAST), _MOST))
 
 
 def _largest(exponents: np.ndarray, axis: int) -> np.ndarray:
     """Largest exponents along an axis; 0 for a row or column of zeros."""
-    found = exponents.max(axis=axis)
-    return np.where(found > _NO_ENTRY // 2, found, 0)
+    found = np.maximum.reduce(exponents, axis)
+    found[found <= _NO_ENTRY // 2] = 0
+    return found
 
 
 class Factorization(ABC):

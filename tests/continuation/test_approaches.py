@@ -18,7 +18,7 @@ ONES = np.ones(2)
 class Cheap(MadeUp):
     """Its residual may be asked for without its derivatives, which are dear."""
 
-    dear = True
+    dear, meshed = True, object()
 
     def linearize(self, z: np.ndarray) -> Linearization:
         found = super().linearize(z)
@@ -105,3 +105,14 @@ def test_a_plugin_that_refuses_a_place_on_the_way_is_asked_no_further():
     found = correct(problem, guess, normal, ONES, beside=np.array([1e-6, 1e-12]))
     assert found.ok
     assert found.z == pytest.approx([math.sqrt(0.3), 0.3], abs=1e-15)
+
+
+def test_exact_equations_are_not_linearized_at_the_last_solution():
+    """Their derivatives cost as much as their residual: one linearization a correction was for nothing."""
+    beside, tangent = np.array([math.cos(1.0), math.sin(1.0)]), np.array([-math.sin(1.0), math.cos(1.0)])
+    counted = []
+    for given in (beside, None):
+        problem = circle()
+        assert correct(problem, beside + 0.03 * tangent, tangent, ONES, beside=given).ok
+        counted.append(problem.evaluated)
+    assert counted[0] == counted[1]

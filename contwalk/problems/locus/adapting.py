@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from contwalk.errors import NotFinite, StartError
+from contwalk.numerics.linear import unit_in
 from contwalk.problems.orbit import remesh
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.solving import newton_on
@@ -34,22 +35,58 @@ def adapted(curve: Any, sample: Sample) -> tuple[Any, Sample]:
     Legs between events have finer steps where deviations grow, whoever asks for them.
     """
     if not curve.orbit.in_closure:
-        return _on_new_steps(curve, sample, closed)
+        return _on_new_steps(curve, sample, closed).examined(sample)
     if curve.orbit.discretization.share < 1.0:
         curve = _of_share(curve, sample, 1.0).at_stored(sample.z, sample.weights)
-    usual: tuple[Any, Sample] | None = None
+    usual: _Place | None = None
     try:
         usual = _on_new_steps(curve, sample, _as_moved)
-        error = usual[1].error
+        error = usual.error
     except FAILURES:
         error = _error_on_new_steps(curve, sample)
     if KNOWN < error < np.inf and sample.orientation != 0.0:
         share = max(KNOWN / error, FINEST / curve.orbit.discretization.walking)
         try:
-            return _on_new_steps(_of_share(curve, sample, share), sample, _as_moved, again=True)
+            return _on_new_steps(_of_share(curve, sample, share), sample, _as_moved, again=True).examined(
+                sample
+            )
         except FAILURES:
             pass
-    return _on_new_steps(curve, sample, closed) if usual is None else usual
+    if usual is not None:
+        try:
+            return usual.examined(sample)
+        except FAILURES:
+            pass
+    return _on_new_steps(curve, sample, closed).examined(sample)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A solution on new steps, with the curve on them; z, tangent and weights have the shape (N + k + 2,)."""
+
+    curve: Any
+    z: np.ndarray
+    tangent: np.ndarray
+    weights: np.ndarray
+
+    @property
+    def error(self) -> float:
+        """What errors of the steps do to it."""
+        unit, errors = unit_in(self.tangent, self.weights), self.curve.errors_at(self.z)
+        found: float = self.curve.linearize(self.z).orientation_and_error(unit, self.weights, errors)[1]
+        return found
+
+    def examined(self, sample: Sample) -> tuple[Any, Sample]:
+        """The curve, and what is watched at the solution; what was told of it before is told again."""
+        lin = self.curve.linearize(self.z)
+        again: Sample = self.curve.examine(self.z, self.tangent, self.weights, lin, sample.unstable, sample)
+        return self.curve, replace(
+            again,
+            orientation=0.0 if sample.orientation == 0.0 else again.orientation,
+            seconds=sample.seconds,
+            evaluations=sample.evaluations,
+            iterations=sample.iterations,
+        )
 
 
 def _of_share(curve: Any, sample: Sample, share: float) -> Any:
@@ -66,9 +103,7 @@ def _error_on_new_steps(curve: Any, sample: Sample) -> float:
     return error
 
 
-def _on_new_steps(
-    curve: Any, sample: Sample, closing: remesh.Closing[Any], again: bool = False
-) -> tuple[Any, Sample]:
+def _on_new_steps(curve: Any, sample: Sample, closing: remesh.Closing[Any], again: bool = False) -> _Place:
     """As `adapted`, on steps of the curve's tolerance; solved for in any case if it is to be so `again`."""
     orbit, own = curve.on_tangent(sample.z, sample.tangent, sample.weights)
     given = replace(
@@ -79,7 +114,7 @@ def _on_new_steps(
         observables=sample.observables[: curve.own_observables],
         orientation=1.0,  # where curves cross the orbits of one of them are no branch point themselves
     )
-    orbit, seen = remesh.adapted(orbit, given, closing, AT_EASE)
+    orbit, seen = remesh.adapted(orbit, given, closing, AT_EASE, watched=False)
     ahead = float(seen.z[-1]) * sample.tangent[-2:]
     z = curve.joined(seen.z[:-1], sample.z)
     z[-2:] += ahead
@@ -88,10 +123,9 @@ def _on_new_steps(
     tangent = curve.joined(seen.tangent[:-1] / (lead or 1.0), sample.tangent)
     there = curve.on(orbit, z, weights)
     if np.array_equal(z, sample.z) and not again:
-        return there, _examined(there, z, tangent, weights, sample)
+        return _Place(there, z, tangent, weights)
     z, tangent = _solved(there, z, tangent, weights, _way(curve, sample.z, sample.tangent, sample.weights))
-    there = curve.on(orbit, z, weights)
-    return there, _examined(there, z, tangent, weights, sample)
+    return _Place(curve.on(orbit, z, weights), z, tangent, weights)
 
 
 def _solved(
@@ -105,21 +139,6 @@ def _solved(
     z = newton_on(there, z, weights, normal)
     tangent = there.linearize(z).tangent(normal, weights)
     return z, tangent * (np.sign(_way(there, z, tangent, weights) @ way) or 1.0)
-
-
-def _examined(there: Any, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, sample: Sample) -> Sample:
-    """What is watched at the same solution; what was told of it before is told again.
-
-    z, tangent and weights have the shape (N + k + 2,).
-    """
-    again: Sample = there.examine(z, tangent, weights, there.linearize(z), sample.unstable, sample)
-    return replace(
-        again,
-        orientation=0.0 if sample.orientation == 0.0 else again.orientation,
-        seconds=sample.seconds,
-        evaluations=sample.evaluations,
-        iterations=sample.iterations,
-    )
 
 
 def _as_moved(orbit: Any, rough: Sample) -> tuple[Any, Sample] | None:

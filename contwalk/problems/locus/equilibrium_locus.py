@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -262,14 +261,15 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         return EquilibriumLocus(self.plane, self.curve, z, self.spans)
 
     def adapted(self, sample: Sample) -> tuple[EquilibriumLocus, Sample]:
-        """The curve with borders for what follows a solution, and the solution's sample with them."""
-        there = self.at_stored(sample.z, sample.weights)
+        """The curve with borders for what follows a solution, and the solution's sample with them.
+
+        What does not depend on the borders, as the spectrum, stays.
+        """
+        there, weights = self.at_stored(sample.z, sample.weights), sample.weights
         lin = there.linearize(sample.z)
-        again = there.examine(sample.z, sample.tangent, sample.weights, lin, sample.unstable)
-        kept = replace(
-            again, seconds=sample.seconds, evaluations=sample.evaluations, iterations=sample.iterations
-        )
-        return there, kept
+        with np.errstate(invalid="ignore"):  # where the borders do not fit nothing is told
+            orientation, error = lin.orientation_and_error(sample.tangent, weights, lin.levels[0])
+        return there, sample.varied(orientation=orientation, error=error, excess=lin.excess_in(weights))
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> EquilibriumLocus:
         """The curve with borders for a solution that is taken up again; both arguments of shape (N + 1,)."""

@@ -78,6 +78,12 @@ class Place(ABC):
     def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         """The function that applies the inverse of a matrix, shape (k, k)."""
 
+    @abstractmethod
+    def solved(
+        self, matrix: np.ndarray, right: np.ndarray, left: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """x and y, shape (k,), with matrix @ x = right and y @ matrix = left; the matrix is real."""
+
     def second(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
         """B(v, w), shape (N,)."""
         return self.along(self.kernels.second, v, w)
@@ -125,6 +131,13 @@ class FloatPlace(Place):
     def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         """The function that applies the inverse of a matrix, shape (k, k)."""
         return solver_of_floats(matrix)
+
+    def solved(
+        self, matrix: np.ndarray, right: np.ndarray, left: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """x and y, shape (k,), with matrix @ x = right and y @ matrix = left: scaled once for both."""
+        factored = Factored(matrix)
+        return factored.solve(right), factored.solve_adjoint(left)
 
     @cached_property
     def noise(self) -> np.ndarray:
@@ -179,23 +192,31 @@ class ExactPlace(Place):
 
         It is that in floats, refined by exact residuals.
         """
+        rough = Factored(_floats(matrix)).solve
+        return lambda right: _refined(matrix, rough, right)
+
+    def solved(
+        self, matrix: np.ndarray, right: np.ndarray, left: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As of any place, refined like what a `solver` tells: the matrix (k, k), all vectors (k,)."""
         rough = Factored(_floats(matrix))
+        return _refined(matrix, rough.solve, right), _refined(matrix.T, rough.solve_adjoint, left)
 
-        def solve(right: np.ndarray) -> np.ndarray:
-            x = np.full(right.shape, 0, dtype=object)
-            for _ in range(PASSES):
-                rest = right - matrix @ x
-                largest = max(abs(r) for r in rest.flat)
-                if largest == 0:
-                    break
-                change = rough.solve(_floats(rest / largest))
-                x = x + largest * change.astype(object)
-                size = max((float(abs(v)) for v in x.flat), default=0.0)
-                if float(largest) * float(np.max(np.abs(change))) <= 10.0**-DIGITS * size:
-                    break
-            return x
 
-        return solve
+def _refined(matrix: np.ndarray, rough: Callable[[np.ndarray], np.ndarray], right: np.ndarray) -> np.ndarray:
+    """x, (k,), with matrix (k, k) @ x = right by exact residuals; `rough` solves for it in floats."""
+    x = np.full(right.shape, 0, dtype=object)
+    for _ in range(PASSES):
+        rest = right - matrix @ x
+        largest = max(abs(r) for r in rest.flat)
+        if largest == 0:
+            break
+        change = rough(_floats(rest / largest))
+        x = x + largest * change.astype(object)
+        size = max((float(abs(v)) for v in x.flat), default=0.0)
+        if float(largest) * float(np.max(np.abs(change))) <= 10.0**-DIGITS * size:
+            break
+    return x
 
 
 def solver_of_floats(matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
+from contwalk.numerics.linear import unit_in
 from contwalk.problems.orbit.cutting import begun_at, grown_cuts, halves, recutting
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.discretized_orbit import Kind
@@ -90,7 +91,11 @@ Closing = Callable[[Kind, Sample], tuple[Kind, Sample] | None]
 
 
 def adapted(
-    orbit: Kind, sample: Sample, closing: Closing[Kind] = closed, most: float = TOO_MUCH
+    orbit: Kind,
+    sample: Sample,
+    closing: Closing[Kind] = closed,
+    most: float = TOO_MUCH,
+    watched: bool = True,
 ) -> tuple[Kind, Sample]:
     """The problem with its section, steps and segments made anew at a solution, and its sample on it.
 
@@ -98,6 +103,7 @@ def adapted(
     on the steps of the last orbit may be none on these, as where a leg passes a saddle: it is then corrected.
     At a branch point it stays on its own steps, where it is one: the equations tell neither where the point
     is nor which way the branch goes. `most` is how much deviations may grow over a segment of equal duration.
+    Of what is not to be `watched` only place, tangent and weights are told.
     """
     problem, born, first = orbit, sample.orientation == 0.0, orbit.uneven and orbit.cuts > 1
     if first:  # what is cut anew stays on its own steps: on others it is no solution yet
@@ -119,6 +125,8 @@ def adapted(
     if not first:
         problem, sample = _recut(problem, sample, recutting(problem, sample.z, most), closing)
     tangent = problem.into_section(sample.z, sample.tangent)
+    if not watched:
+        return problem, sample.varied(tangent=unit_in(tangent, sample.weights))
     # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
     there = problem.linearize(sample.z)
     again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)

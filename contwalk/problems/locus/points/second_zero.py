@@ -40,10 +40,8 @@ def _rate(place: Place, columns: np.ndarray, rows: np.ndarray) -> Any:
     """d det G / ds at s = 0."""
     bordered = np.block([[place.matrix, columns], [rows, np.zeros((2, 2))]])
     size, finite = len(bordered) - 2, place.plane.finite
-    units = np.zeros((size + 2, 2))
-    units[size:] = np.eye(2)
-    right = [place.solver(bordered)(units[:, k]) for k in (0, 1)]
-    left = [place.solver(bordered.T)(units[:, k]) for k in (0, 1)]
+    units = np.eye(size + 2)[size:]
+    right, left = zip(*(place.solved(bordered, unit, unit) for unit in units), strict=True)
     g = [[right[j][size + i] for j in (0, 1)] for i in (0, 1)]
     slopes = [[left[i][:size] @ (finite * right[j][:size]) for j in (0, 1)] for i in (0, 1)]
     return g[0][0] * slopes[1][1] + g[1][1] * slopes[0][0] - g[0][1] * slopes[1][0] - g[1][0] * slopes[0][1]
