@@ -13,8 +13,9 @@ import numpy as np
 
 # So many special points in a row tell that are not located.
 IN_A_ROW = 10
-# So many points in a row tell where the way along all of them is this part of the longest step, or less.
-CREEPING, SHORT = 100, 1e-3
+# So many points in a row tell where the way along all of them is this part of the longest step, or less:
+# twice as many as lead across a resonance of 1e6, whose errors are large beside its steps.
+CREEPING, SHORT = 300, 1e-3
 
 
 class Crowd:

@@ -168,19 +168,20 @@ def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.linalg.svd(scaled / np.where(largest > 0, largest, 1.0))[2][-1] * weights
 
 
-def balanced(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def balanced(matrix: np.ndarray, one_way: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """D^-1 A D, shape (n, n), with rows and columns of like norm, and the diagonal of D, shape (n,).
 
     Its entries are powers of two.
 
     Eigenvalues of a matrix whose states have very different units are accurate only after this
     (E. E. Osborne, J. ACM 7, 338, 1960). Of a state that only drives others, or is only driven, units may be
-    anything: couplings that nothing answers are made no larger than the diagonal.
+    anything: `one_way` couplings, which nothing answers, are made no larger than the diagonal. Not where
+    ranks are judged: beside a double zero no diagonal is left, and the coupling makes it one of one vector.
     """
     size = len(matrix)
     d = np.ones(size)
     magnitude = np.abs(matrix)
-    least = float(magnitude.diagonal().max(initial=0.0))
+    least = float(magnitude.diagonal().max(initial=0.0)) if one_way else 0.0
     magnitude.flat[:: size + 1] = 0.0
     for _ in range(20):
         rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
@@ -234,7 +235,7 @@ def critical_pair(matrix: np.ndarray) -> EigenPair:
     accurate where a double zero makes eigenvectors meet. There, with p.q = 0, p is scaled by p.r = 1 with A
     r = q.
     """
-    scaled, d = balanced(matrix)
+    scaled, d = balanced(matrix, one_way=True)
     u, values, vh = np.linalg.svd(scaled)
     # In balanced units every entry is as large as it matters; what is far below is noise.
     v, w = (np.where(np.abs(x) < 1e-13, 0.0, x) for x in (vh[-1], u[:, -1]))

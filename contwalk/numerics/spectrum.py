@@ -99,7 +99,7 @@ def spectrum(
         matrix, rate, rounding = q.T @ matrix @ q, q.T @ rate @ q, np.abs(q.T) @ rounding @ np.abs(q)
     if not len(matrix):
         return Spectrum(np.zeros(0, dtype=complex), np.zeros(0), np.zeros(0))
-    scaled, d = balanced(matrix)
+    scaled, d = balanced(matrix, one_way=True)
     found, right = np.linalg.eig(scaled)
     try:
         left = np.linalg.inv(right)

@@ -75,7 +75,8 @@ def test_folds_from_one_bautin_point_lead_to_the_other_and_are_followed_once(cur
     assert folds.outcome.reason == "shrunk"
     for point, row in ((begin, folds.points[0]), (end, folds.points[-1])):
         assert abs(row["free"][0] - point.parameters["K"]) < 1e-3
-    assert abs(folds.points[-1]["free"][0] - end.parameters["K"]) < 1e-7
+    # It counts as shrunk from cycles of 1e-3 in the metric on, and these lie off the point by their square.
+    assert abs(folds.points[-1]["free"][0] - end.parameters["K"]) < 1e-6
     assert f"{hopf.name}/{end.name} lies on branch {folds.name}, already known." in notes
 
 

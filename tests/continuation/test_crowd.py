@@ -49,7 +49,7 @@ def test_points_that_lie_apart_are_none():
 )
 def test_a_hundred_points_within_a_thousandth_of_a_step_are_noise(count, step, error, noise):
     crowd = Crowd(points=((step * k, error) for k in range(count)))
-    assert crowd.noise(0.1) == (("the last 100 points", error) if noise else None)
+    assert crowd.noise(0.1) == ((f"the last {CREEPING} points", error) if noise else None)
 
 
 @pytest.mark.parametrize("error", [1e-6, 1.0])

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.linalg import norm
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
@@ -35,6 +36,9 @@ ASIDE = (1e-2, 3e-3, 3e-2, 1e-3, 1e-1, 3e-4)
 NEARER = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
 # Of the amplitude that is expected, what is found is no cycle below this part, and another one above that.
 SMALLER, LARGER = 0.8, 1.25
+# It is another one too if the parameters are off by more than this part of how far from the point they are:
+# that is of the size of r^2 with the amplitude r, and they are off by that of r^4.
+OFF = 0.25
 # Tori are found nearer, and what lies between the point and the first one is lost.
 BESIDE = (1e-3, 3e-4, 3e-3, 1e-2, 3e-2, 1e-1)
 # At double and zero-Hopf points: the amplitude of the first of two cycles, over the root of how far aside.
@@ -52,8 +56,13 @@ def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         If none is found: there is one wherever l2 is not zero.
     """
     z, l2 = np.array(point.unknowns), float(point.coefficients["l2"])
-    lengths = (*ASIDE, *NEARER)
-    found = _found_beside(problem, z, lambda beside, _: _fold(problem, beside, l2, z[-2:]), lengths)
+    lengths, count = (*ASIDE, *NEARER), _unstable(problem, z)
+
+    def fold(beside: np.ndarray, aside: float) -> Seed | None:
+        # Beyond another special point, as a zero-Hopf point where c1 has a pole, it tells nothing.
+        return _fold(problem, beside, l2, z[-2:]) if _unstable(problem, beside) == count else None
+
+    found = _found_beside(problem, z, fold, lengths)
     if not found:
         raise StartError(
             "No fold of the cycles that begin beside this point was found.",
@@ -71,6 +80,14 @@ def _found_beside(
     """As `born_beside`, of a curve of Hopf points."""
     there = problem.at(z)
     return born_beside(there, z, sizes(there, z), lengths, born)
+
+
+def _unstable(problem: Any, z: np.ndarray) -> int:
+    """How many eigenvalues are unstable at z, shape (N + 1,), on a curve of Hopf points, but for its pair."""
+    there = problem.at(z)
+    weights, lin = sizes(there, z), there.linearize(z)
+    tangent = kernel_direction(lin.jacobian, weights)
+    return int(there.examine(z, tangent, weights, lin, None).unstable)
 
 
 def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | None:
@@ -156,7 +173,8 @@ class _Cycles:
         held = np.concatenate([self.swing[:-1], np.zeros(len(near) - n)]) / weights**2
         solved = newton_on(curve, near, weights, held)  # type: ignore[arg-type]
         amplitude = float(held[:n] @ (solved[:n] - self.rest[:-1])) / float(held[:n] @ self.swing[:-1])
-        if not SMALLER * expected < amplitude < LARGER * expected:
+        off, aside = (solved[-2:] - self.place) / self.typical, (self.place - origin) / self.typical
+        if not SMALLER * expected < amplitude < LARGER * expected or norm(off) > OFF * norm(aside):
             return None
         # Towards the point itself cycles shrink to nothing: only the other way is walked.
         away = kernel_direction(curve.linearize(solved).jacobian, weights)

@@ -146,7 +146,7 @@ def zero_condition(place: Place, borders: Borders, sigma: float = 0.0) -> Critic
     matrix = shifted(place, sigma)
     bordered = np.block([[matrix, borders.column[:, None]], [borders.row[None, :], np.zeros((1, 1))]])
     unit = _unit(len(bordered))
-    right, left = place.solved(bordered, unit, unit)
+    right, left = place.solver(bordered)(unit), place.solver(bordered.T)(unit)
     return Critical((right[-1],), (right[:-1],), (left[:-1],))
 
 
@@ -157,12 +157,13 @@ def pair_condition(place: Place, borders: Borders, kappa: object, sigma: float =
     e = np.diag(np.append(place.plane.finite, 0.0))
     if bordered.dtype == object:
         e = e.astype(object)
+    unit = _unit(2 * len(bordered), len(bordered) - 1)
     size = len(bordered)
-    right, left = place.solved(
-        np.block([[bordered, kappa * e], [-e, bordered]]), _unit(2 * size, size - 1), _unit(2 * size)
-    )
-    # The transposed matrix has its blocks beside the diagonal changed over, and with them both parts.
-    (qa, qb), (pb, pa) = (right[:size], right[size:]), (left[:size], left[size:])
+    parts = []
+    for one in (bordered, bordered.T):
+        solved = place.solver(np.block([[one, kappa * e], [-e, one]]))(unit)
+        parts.append((solved[:size], solved[size:]))
+    (qa, qb), (pa, pb) = parts
     return Critical((qa[-1], qb[-1]), (qa[:-1], qb[:-1]), (pa[:-1], pb[:-1]))
 
 
