@@ -168,6 +168,10 @@ def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.linalg.svd(scaled / np.where(largest > 0, largest, 1.0))[2][-1] * weights
 
 
+# A coupling so many times the diagonal is one of units, and not one beside a double zero.
+ONE_WAY = 1e12
+
+
 def balanced(matrix: np.ndarray, one_way: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """D^-1 A D, shape (n, n), with rows and columns of like norm, and the diagonal of D, shape (n,).
 
@@ -175,20 +179,24 @@ def balanced(matrix: np.ndarray, one_way: bool = False) -> tuple[np.ndarray, np.
 
     Eigenvalues of a matrix whose states have very different units are accurate only after this
     (E. E. Osborne, J. ACM 7, 338, 1960). Of a state that only drives others, or is only driven, units may be
-    anything: `one_way` couplings, which nothing answers, are made no larger than the diagonal. Not where
-    ranks are judged: beside a double zero no diagonal is left, and the coupling makes it one of one vector.
+    anything: `one_way` couplings, which nothing answers, are made as large as the diagonal where they are
+    beyond comparison with it. Not where ranks are judged: beside a double zero no diagonal is left, and the
+    coupling makes it one of one vector.
     """
     size = len(matrix)
     d = np.ones(size)
     magnitude = np.abs(matrix)
     least = float(magnitude.diagonal().max(initial=0.0)) if one_way else 0.0
     magnitude.flat[:: size + 1] = 0.0
+    rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
+    # By their columns and by their rows, which is which does not change in what follows.
+    ways = (rows == 0.0) & (columns > ONE_WAY * least), (columns == 0.0) & (rows > ONE_WAY * least)
     for _ in range(20):
         rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
         driven, driving = rows, columns
         if least > 0.0:
-            driven = np.where((rows == 0.0) & (columns > least), least, rows)
-            driving = np.where((columns == 0.0) & (rows > least), least, columns)
+            driven = np.where(ways[0] & (columns > least), least, rows)
+            driving = np.where(ways[1] & (rows > least), least, columns)
         ratio = np.divide(driven, driving, out=np.ones(size), where=(driven > 0) & (driving > 0))
         exponents = np.rint(0.25 * np.log2(ratio))
         if not exponents.any():

@@ -72,7 +72,7 @@ def test_tables_of_an_empty_run(db, tmp_path):
 
 def test_directory_that_cannot_be_made(run, tmp_path):
     (tmp_path / "file").write_text("x")
-    with pytest.raises(DatabaseError, match="cannot be created"):
+    with pytest.raises(DatabaseError, match="is a file: tables are written into a directory"):
         write_tables(run, tmp_path / "file")
     (tmp_path / "out" / "b1.csv").mkdir(parents=True)
     with pytest.raises(DatabaseError, match=r"b1\.csv is a directory"):

@@ -138,8 +138,9 @@ class VanishingFrequency(BogdanovTakens):
         return (KIND, None, {}, NO_DOUBLE_ZERO) if crossing else super().form(problem, located, sample)
 
     def value(self, problem: Any, sample: Sample) -> float:
-        """The square of the frequency."""
-        return problem.kappa(sample.z)
+        """The square of the frequency, zero where it is less than what the solution is known to."""
+        kappa = float(problem.kappa(sample.z))
+        return 0.0 if abs(kappa) <= sample.error * float(sample.weights[problem.plane.size]) else kappa
 
     def held_beside(self, problem: Any, sample: Sample) -> tuple[int, int]:
         """On the side of the neutral saddles one of both eigenvalues is positive."""
