@@ -36,8 +36,8 @@ ASIDE = (1e-2, 3e-3, 3e-2, 1e-3, 1e-1, 3e-4)
 NEARER = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
 # Of the amplitude that is expected, what is found is no cycle below this part, and another one above that.
 SMALLER, LARGER = 0.8, 1.25
-# It is another one too if the parameters are off by more than this part of how far from the point they are:
-# that is of the size of r^2 with the amplitude r, and they are off by that of r^4.
+# A fold is another one too if its parameters are off by more than this part of how far from the point they
+# are: that is of the size of r^2 with the amplitude r, and they are off by that of r^4.
 OFF = 0.25
 # Tori are found nearer, and what lies between the point and the first one is lost.
 BESIDE = (1e-3, 3e-4, 3e-3, 1e-2, 3e-2, 1e-1)
@@ -100,7 +100,11 @@ def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | 
         return None
     cycles = _Cycles(problem, z)
     expected = cycles.amplitude(float(np.sqrt(-rate / (2.0 * l2))))
-    return cycles.curve("LP", cycles.of(expected), expected, origin)
+    found = cycles.curve("LP", cycles.of(expected), expected, origin)
+    if found is None:
+        return None
+    off, aside = (found.z[-2:] - cycles.place) / cycles.typical, (cycles.place - origin) / cycles.typical
+    return found if norm(off) <= OFF * norm(aside) else None
 
 
 class _Cycles:
@@ -173,8 +177,7 @@ class _Cycles:
         held = np.concatenate([self.swing[:-1], np.zeros(len(near) - n)]) / weights**2
         solved = newton_on(curve, near, weights, held)  # type: ignore[arg-type]
         amplitude = float(held[:n] @ (solved[:n] - self.rest[:-1])) / float(held[:n] @ self.swing[:-1])
-        off, aside = (solved[-2:] - self.place) / self.typical, (self.place - origin) / self.typical
-        if not SMALLER * expected < amplitude < LARGER * expected or norm(off) > OFF * norm(aside):
+        if not SMALLER * expected < amplitude < LARGER * expected:
             return None
         # Towards the point itself cycles shrink to nothing: only the other way is walked.
         away = kernel_direction(curve.linearize(solved).jacobian, weights)
