@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from contwalk.continuation.one_place import is_one
 from contwalk.special_point import SpecialPoint
-
-# Points of two curves are one where each parameter is the same within so many times their errors, and this
-# part of itself.
-ONE_PLACE, TINY = 100.0, 1e-9
 
 
 class BeyondDepth:
@@ -27,13 +24,13 @@ class BeyondDepth:
         for point in points:
             if depth < self._depth:
                 self._followed.append(point)
-            elif not any(_one(point, other) for _, other in self._left):
+            elif not any(is_one(point, other) for _, other in self._left):
                 self._left.append((f"{branch}/{point.name}", point))
 
     def sentence(self) -> str | None:
         """What is missing, or None where nothing is."""
         names = [
-            name for name, point in self._left if not any(_one(point, other) for other in self._followed)
+            name for name, point in self._left if not any(is_one(point, other) for other in self._followed)
         ]
         if not names:
             return None
@@ -41,18 +38,3 @@ class BeyondDepth:
             f"What begins or crosses at {', '.join(names)} was not followed from there: "
             f"the generations of curves end with `diagram.depth` = {self._depth}. Raise it to follow them."
         )
-
-
-def _one(a: SpecialPoint, b: SpecialPoint) -> bool:
-    """Whether two special points are of one kind and at one place."""
-    if a.label != b.label or a.parameters.keys() != b.parameters.keys():
-        return False
-    return all(
-        abs(value - b.parameters[name])
-        <= ONE_PLACE * (_error(a, name) + _error(b, name)) + TINY * max(abs(value), abs(b.parameters[name]))
-        for name, value in a.parameters.items()
-    )
-
-
-def _error(point: SpecialPoint, name: str) -> float:
-    return (point.errors or {}).get(name) or 0.0

@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.one_place import is_one
 from contwalk.continuation.opening import Opening
 from contwalk.labels import LOCUS
 from contwalk.problems.stored_alike import of_the_same
 
-# Two points are one within so many times their errors, and this part of the parameters' typical magnitudes.
-ONE_PLACE, TINY = 100.0, 1e-9
 # Of two families that are born at one point, as at a double Hopf point, periods differ by more than this.
 ONE_PERIOD = 1e-2
 
@@ -41,22 +38,11 @@ def born_there(start: Start, opening: Opening, branches: Sequence[Branch]) -> Br
         begins = begins and abs(period / sample.period - 1.0) < ONE_PERIOD
         parent = next((b for b in branches if b.name == info.parent[0]), None)
         point = None if parent is None else _nearest(parent.special_points, info.parent[1])
-        weights = dict(zip(info.free, sample.weights[-1:-3:-1], strict=True))
-        if begins and point is not None and _one(own, point, weights):
+        weights = dict(zip(info.free, sample.weights[-1:-3:-1].tolist(), strict=True))
+        if begins and point is not None and is_one(own, point, weights):
             return branch
     return None
 
 
 def _nearest(points: Sequence[SpecialPoint], s: float) -> SpecialPoint | None:
     return min(points, key=lambda point: abs(point.s - s), default=None)
-
-
-def _one(a: SpecialPoint, b: SpecialPoint, weights: dict[str, np.floating]) -> bool:
-    """Whether two points are at the same parameters; weights are those of the free ones, by name."""
-    if a.label != b.label:
-        return False
-    return all(
-        abs(a.parameters[name] - b.parameters[name])
-        <= ONE_PLACE * (a.errors.get(name, 0.0) + b.errors.get(name, 0.0)) + TINY * weight
-        for name, weight in weights.items()
-    )

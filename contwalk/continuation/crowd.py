@@ -56,10 +56,16 @@ class Crowd:
         """
         if _within(self._last, IN_A_ROW) < IN_A_ROW * (error := max((e for _, e in self._last), default=0.0)):
             return f"the last {IN_A_ROW} special points were not located, and", error
-        error = float(np.nan_to_num([e for _, e in self._points] or [0.0]).min())
-        if _within(self._points, CREEPING) < min(SHORT * longest, error):
-            return f"the last {CREEPING} points", error
-        return None
+        way = _way(self._points, CREEPING)
+        if not way < SHORT * longest:
+            return None
+        error = float(np.nan_to_num([e for _, e in self._points]).min())
+        return (f"the last {CREEPING} points", error) if way < error else None
+
+
+def _way(points: deque[tuple[float, float]], count: int) -> float:
+    """The way from the first of so many points to the last; infinite where there are fewer."""
+    return abs(points[-1][0] - points[0][0]) if len(points) == count else np.inf
 
 
 def _within(points: deque[tuple[float, float]], count: int) -> float:

@@ -186,18 +186,18 @@ def balanced(matrix: np.ndarray, one_way: bool = False) -> tuple[np.ndarray, np.
     size = len(matrix)
     d = np.ones(size)
     magnitude = np.abs(matrix)
-    least = float(magnitude.diagonal().max(initial=0.0)) if one_way else 0.0
+    least = float(magnitude.diagonal().max(initial=0.0))
     magnitude.flat[:: size + 1] = 0.0
-    rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
-    # By their columns and by their rows, which is which does not change in what follows.
-    ways = (rows == 0.0) & (columns > ONE_WAY * least), (columns == 0.0) & (rows > ONE_WAY * least)
+    unanswered = _unanswered(magnitude, least) if one_way else None
     for _ in range(20):
         rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
-        driven, driving = rows, columns
-        if least > 0.0:
-            driven = np.where(ways[0] & (columns > least), least, rows)
-            driving = np.where(ways[1] & (rows > least), least, columns)
-        ratio = np.divide(driven, driving, out=np.ones(size), where=(driven > 0) & (driving > 0))
+        if unanswered is not None:
+            only_drive, only_driven = unanswered
+            rows, columns = (
+                np.where(only_drive & (columns > least), least, rows),
+                np.where(only_driven & (rows > least), least, columns),
+            )
+        ratio = np.divide(rows, columns, out=np.ones(size), where=(rows > 0) & (columns > 0))
         exponents = np.rint(0.25 * np.log2(ratio))
         if not exponents.any():
             break
@@ -205,6 +205,17 @@ def balanced(matrix: np.ndarray, one_way: bool = False) -> tuple[np.ndarray, np.
         magnitude = magnitude / factor[:, None] * factor
         d *= factor
     return matrix / d[:, None] * d, d
+
+
+def _unanswered(magnitude: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """Which states only drive others, and which are only driven, beyond comparison with the diagonal.
+
+    Each is a bool of shape (n,); None where there is no such state. `magnitude`, shape (n, n), has no
+    diagonal, of which `least` is the largest entry.
+    """
+    rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
+    found = (rows == 0.0) & (columns > ONE_WAY * least), (columns == 0.0) & (rows > ONE_WAY * least)
+    return found if least > 0.0 and np.any(found) else None
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,8 @@ class _Cycles:
         assert seed.tangent is not None
         born: Any = seed.problem
         self.place = np.array([values[self.free[1]], values[self.free[0]]])
-        along = kernel_direction(problem.at(z).linearize(z).jacobian, sizes(problem.at(z), z))[-2:]
+        there = problem.at(z)
+        along = kernel_direction(there.linearize(z).jacobian, sizes(there, z))[-2:]
         along = along / self.typical
         across = np.array([along[1] + lean * along[0], lean * along[1] - along[0]])
         self.across = across / np.linalg.norm(across) * self.typical

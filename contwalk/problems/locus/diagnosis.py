@@ -91,9 +91,9 @@ class LocusDiagnosis:
         level = problem.curve.real_part
         if level is None:
             return None
-        single = problem.curve.pair and not problem.kappa(b.z) > 0.0
-        ahead = float(b.eigenvalues.real.max()) - level
-        if not single and ahead <= 1e-9 * max(abs(level), float(np.abs(b.eigenvalues).max())):
+        ahead, *past_real = self.end_functions(b)
+        known = 1e-9 * max(abs(level), float(np.abs(b.eigenvalues).max()))
+        if ahead <= known and all(past < 0.0 for past in past_real):
             return None
         first = problem.free
         return Outcome(

@@ -42,9 +42,12 @@ class CriticalSpace:
 def critical_space(a: np.ndarray, omega: float) -> CriticalSpace:
     """The space of a pair i omega of a matrix, shape (n, n): one vector, but for symmetries."""
     values, vectors = np.linalg.eig(a)
-    transposed, rows = np.linalg.eig(a.T)
-    near, below = (np.abs(each - 1j * omega) < ALIKE * abs(omega) for each in (values, transposed))
-    if np.count_nonzero(near) > 1 and np.count_nonzero(near) == np.count_nonzero(below):
+    near = np.abs(values - 1j * omega) < ALIKE * abs(omega)
+    several = np.count_nonzero(near)
+    if several > 1:
+        transposed, rows = np.linalg.eig(a.T)
+        below = np.abs(transposed - 1j * omega) < ALIKE * abs(omega)
+    if several > 1 and several == np.count_nonzero(below):
         space, sizes, _ = np.linalg.svd(vectors[:, near], full_matrices=False)
         right, left = space[:, sizes > SAME * sizes[0]], rows[:, below].T
         product = left @ right

@@ -28,9 +28,9 @@ def beyond_corner(problem: Any, point: SpecialPoint) -> list[Seed]:
     """The contour beyond a corner at which it ends, on the side where its own eigenvalue has the lead."""
     for curve, own in _candidates(problem, point):
         found = both_born if type(curve) is type(problem.curve) else born
-        seeds = [_leading(seed) for seed in found(problem, point, curve, own)]
-        if any(seeds):
-            return [seed for seed in seeds if seed is not None]
+        leading = [ahead for seed in found(problem, point, curve, own) if (ahead := _leading(seed))]
+        if leading:
+            return leading
     return []
 
 
