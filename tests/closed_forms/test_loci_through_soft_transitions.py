@@ -7,15 +7,24 @@ ones the motion may touch the second spring or not, and more or less often, with
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
+from itertools import count
+from typing import Any
 
+import numpy as np
 import pytest
 from hybrid_runs import diagram, machine
 from loci_of_orbits import FINE, labels, largest
 
 import contwalk as cw
 from contwalk.branch import Branch
+from contwalk.continuation.reopening import reopened
+from contwalk.problems.locus.condensed import OfMultipliers, turned
+from contwalk.problems.locus.orbit_conditions import At
+from contwalk.problems.orbit.augmented import Augmented
+from contwalk.problems.orbit.points.fold import fold_system
 from contwalk.system import System, Transition
 
 STIFFNESS, GAP = 8.0, 0.5
@@ -93,6 +102,31 @@ def test_branches_along_one_parameter_fold_on_it(force) -> None:
     for one, other in zip(*both, strict=True):
         error = one.error + other.errors["omega"]
         assert abs(one.parameters["omega"] - other.parameters["omega"]) <= error < 1e-8
+
+
+def test_a_condition_keeps_its_sign_where_other_soft_transitions_are_met() -> None:
+    """Singular vectors leave the sign of a bordered inverse open: a curve turned at its first step across a
+    soft transition, if it came out as the other one."""
+    along = branch("soft")
+    orbit, sample = reopened(system("soft"), along, 0)
+    legs = [len(orbit.explicit(along.unknowns(k))[0].itinerary.legs) for k in range(len(along))]
+    begun = next(k for k in range(1, len(along)) if legs[k] != legs[0])
+    orbit, sample = reopened(system("soft"), along, begun - 1)
+    near = At(sample.z, sample.weights, 1.0)
+    for turns in (False, True):
+        made = count()
+        folds_there = OfMultipliers(orbit, near, np.zeros(0), partial(conditions_of_folds, made, turns))
+        one, other = (folds_there.evaluate(orbit, z)[1][-1] for z in (sample.z, along.unknowns(begun)))
+        assert next(made) == 2  # a condition of each
+        assert (one * sample.weights) @ (other * sample.weights) > 0.0
+
+
+def conditions_of_folds(
+    made: Iterator[int], turns: bool, orbit: Any, near: At, further: np.ndarray
+) -> Augmented:
+    """The condition of a fold; if it `turns`, with the other sign from the second one that is made on."""
+    found = fold_system(orbit, near)
+    return turned(found) if next(made) and turns else found
 
 
 def bounce(t, x, p, x_plus):

@@ -112,6 +112,7 @@ BEGIN_ELSEWHERE = (
     "walker3d_knee_region",
     "walker3d_stiffer_ground_knee_damping",
     "walker3d_stiffer_ground_knee_stiffness",
+    "walker3d_stiffer_ground_soft_knee_damping",
 )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -144,11 +145,48 @@ class OfMultipliers(Condensed):
     ) -> None:
         super().__init__(orbit, near, further)
         self._system, self._second = system, near.second
+        self._first: tuple[Found, Augmented, np.ndarray] | None = None
 
     def made(self, found: Found, near: At, own: np.ndarray) -> Augmented:
-        """The condition of the explicit orbit; `own` has the shape (k,)."""
+        """The condition of the explicit orbit, with the sign of the one that was made first.
+
+        A bordered inverse has the sign of its borders, which singular vectors leave open: with another one
+        the orientation of the curve would change where other soft transitions are met, as at a crossing.
+        `own` has the shape (k,).
+        """
         system: Augmented = self._system(found.explicit, At(near.z, near.weights, self._second), self.further)
-        return system
+        if self._first is None:
+            self._first = found, system, own
+            return system
+        one, other = (self._slopes(*each) for each in (self._first, (found, system, own)))
+        return turned(system) if len(one) == 1 and one[0] @ other[0] < 0.0 else system
+
+    def _slopes(self, found: Found, system: Augmented, own: np.ndarray) -> np.ndarray:
+        """Derivatives of a condition by the unknowns that are left, in the metric, shape (m, N + 1)."""
+        place = np.concatenate([found.unknowns, own])
+        held = system.evaluate(found.explicit, place)[1][found.explicit.size :, : len(found.unknowns)]
+        left, eliminated = found.grouping.columns(held)
+        return np.asarray((left + eliminated @ found.slope) * self.near.weights)
+
+
+def turned(system: Augmented) -> Augmented:
+    """A condition with the other sign."""
+
+    def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        residual, jacobian = (part.copy() for part in system.evaluate(there, y))
+        residual[there.size :] *= -1.0
+        jacobian[there.size :] *= -1.0
+        return residual, jacobian
+
+    def in_plane(
+        there: Any, across: Any, y: np.ndarray, second: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        residual, jacobian, column = (part.copy() for part in system.over(there, across, y, second))
+        for part in (residual, jacobian, column):
+            part[there.size :] *= -1.0
+        return residual, jacobian, column
+
+    return replace(system, evaluate=evaluate, in_plane=in_plane)
 
 
 class OfLimit(Condensed):

@@ -11,14 +11,16 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid import limits_in_words, locating_limits
 from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.locus import beyond_order
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_curves import Limits
-from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
 from contwalk.problems.problem import LimitType, Located, Sample, Seed
 
 # Limits of two events that are one, at a leg that lasts no time.
 OF_TWO_EVENTS = ("duration", "start", "end", "past")
+
+ELSEWHERE = "Curves of the orbits beyond are not begun there: start at points of their own branches."
 
 
 @dataclass(frozen=True)
@@ -68,10 +70,11 @@ class LimitOnCurve:
 class LimitsOnCurve:
     """What curves of orbits through events have: limits, in the order of those of their orbits."""
 
-    def __init__(self, plane: OrbitPlane, curve: OrbitCurve) -> None:
-        orbit, self._plane = plane.orbit, plane
-        self._orbit, self._free = orbit, plane.free[0]
-        self.limits: Sequence[LimitOnCurve] = [LimitOnCurve(own, curve.of) for own in orbit.limits]
+    def __init__(self, locus: Any) -> None:
+        self._locus, self._plane = locus, locus.plane
+        self._orbit, self._free = self._plane.orbit, self._plane.free[0]
+        of = locus.curve.of
+        self.limits: Sequence[LimitOnCurve] = [LimitOnCurve(own, of) for own in self._orbit.limits]
 
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
@@ -93,8 +96,12 @@ class LimitsOnCurve:
         return f"At {self._free} = {float(located.z[-1]):.12g} {where}."
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        """None: no curve of other orbits is begun there."""
-        return (), "Curves of the orbits beyond are not begun there: start at points of their own branches."
+        """The curve of orbits beyond a change of order, and in words what was found, or tried; of other
+        limits none is begun.
+        """
+        if point.label != "OC" or isinstance(self._locus.curve, Limits):
+            return (), ELSEWHERE
+        return beyond_order.found(self._locus, point)
 
     def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Any]:
         """None: what the way to another solution passes tells the diagnosis; a and b have the shape (N + k

@@ -86,7 +86,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
     @cached_property
     def limited(self) -> LimitsOnCurve | None:
         """The limits of orbits through events; None of others."""
-        return None if self.orbit.limited is None else LimitsOnCurve(self.plane, self.curve)
+        return None if self.orbit.limited is None else LimitsOnCurve(self)
 
     @property
     def weights(self) -> np.ndarray:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def seed_of(neighbour: AdjacentOrbit, label: str, words: str) -> Seed:
     weights = filled_magnitudes(there, z)
     _refuse_undetermined(there, z, weights)
     tangent = kernel_direction(there.linearize(z).jacobian, weights)
-    way, _ = _admissible(there, z, tangent, weights, words, STEPS)
+    way, _ = admissible(there, z, tangent, weights, words, STEPS)
     direction = way * tangent
     return Seed(label, z, direction, amplitude(direction), there.adapted_to(z, weights), one_sided=True)
 
@@ -53,7 +54,7 @@ def _beside(neighbour: AdjacentOrbit, tangent: np.ndarray, label: str, words: st
     """The branch of a neighbour whose equations are singular at the limit itself: from an orbit beside it."""
     there, z = neighbour.problem, neighbour.z
     weights = filled_magnitudes(there, z)
-    way, beside = _admissible(there, z, tangent, weights, words, NEARER)
+    way, beside = admissible(there, z, tangent, weights, words, NEARER)
     rough = discretized(there, beside)
     weights = filled_magnitudes(rough, beside)
     direction = kernel_direction(rough.linearize(beside).jacobian, weights)
@@ -61,17 +62,19 @@ def _beside(neighbour: AdjacentOrbit, tangent: np.ndarray, label: str, words: st
     return Seed(label, beside, direction, amplitude(direction), rough.adapted_to(beside, weights))
 
 
-def _admissible(
-    problem: LimitedOrbit,
+def admissible(
+    problem: Any,
     z: np.ndarray,
     tangent: np.ndarray,
     weights: np.ndarray,
     words: str,
     steps: Sequence[float],
+    orbit_of: Callable[[np.ndarray], tuple[LimitedOrbit, np.ndarray]] | None = None,
 ) -> tuple[float, np.ndarray]:
     """The way along a tangent in which orbits are the machine's, 1 or -1, and the first of them seen there.
 
-    All have the shape (N + 1,).
+    All have the shape (N + 1,). `orbit_of` tells the orbit of a solution, and its unknowns, if the problem is
+    a curve of orbits.
 
     Raises
     ------
@@ -80,7 +83,7 @@ def _admissible(
     tried = []
     for way in (1.0, -1.0):
         for step in steps:
-            beside = _looks(problem, z, way * tangent, weights, step)
+            beside = _looks(problem, z, way * tangent, weights, step, orbit_of)
             if not isinstance(beside, str):
                 return way, beside
             tried.append(beside)
@@ -117,7 +120,12 @@ def _refuse_undetermined(problem: LimitedOrbit, z: np.ndarray, weights: np.ndarr
 
 
 def _looks(
-    problem: LimitedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, step: float
+    problem: Any,
+    z: np.ndarray,
+    tangent: np.ndarray,
+    weights: np.ndarray,
+    step: float,
+    orbit_of: Callable[[np.ndarray], tuple[LimitedOrbit, np.ndarray]] | None,
 ) -> np.ndarray | str:
     """The orbit a step along a direction, shape (N + 1,), or why it is not the machine's."""
     guess = z + step * tangent / float(np.linalg.norm(tangent / weights))
@@ -134,7 +142,7 @@ def _looks(
             return (
                 f"'{lost[0].name}' ({lost[0].test}) is violated at {problem.free} = {float(there[-1]):.10g}"
             )
-        followed = follows(problem, there)
+        followed = follows(*((problem, there) if orbit_of is None else orbit_of(there)))
     except (ContwalkError, np.linalg.LinAlgError) as error:
         return f"Newton's method fails ({first_sentence(str(error))})"
     return there if followed is None else f"a simulation goes another way: {first_sentence(followed)}"

@@ -91,7 +91,12 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
         return crossing.tangent_through(located, near)
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
-        """The curve of that grazing, where the curve of these orbits is told to cross it."""
+        """The curve of that grazing, where the curve of these orbits is told to cross it.
+
+        At a change of order it is the curve of the orbits beyond.
+        """
+        if self.like == "OC":
+            return problem.limited.neighbours(point)[0]
         if self.label not in OF_LOCI or point.kind == "resonant":
             return ()
         return limit_born(problem, point, self.like)
