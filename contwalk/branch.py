@@ -23,6 +23,8 @@ from contwalk.special_point import SpecialPoint
 
 LABELS = tuple(EVERY_MEANING)
 ORBITS = ("periodic_orbit", "hybrid_orbit")
+# A parameter that changes by less than this part of itself along a whole curve does so by rounding.
+STANDS_STILL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -164,6 +166,9 @@ class Branch:
         free = self.points["free"]
         low, high = free.min(axis=0), free.max(axis=0)
         ways = np.array([self._way(k) for k in range(len(self))])
+        # A parameter that stands still along the curve is at both ends, and moves by rounding either way.
+        ways[:, high - low <= STANDS_STILL * np.maximum(np.abs(low), np.abs(high))] = 0.0
+        ways[np.abs(ways) <= STANDS_STILL * (high - low)] = 0.0
         outward = ((free == high) & (ways > 0.0)) | ((free == low) & (ways < 0.0))
         inward = ((free == high) & (ways < 0.0)) | ((free == low) & (ways > 0.0))
         return np.flatnonzero(outward[:-1].any(axis=1) & inward[1:].any(axis=1)).tolist()

@@ -33,6 +33,8 @@ from contwalk.system import System
 
 # How far beside a fold a branch is begun, in typical magnitudes.
 BESIDE_FOLD = 0.05
+# A line passes what lies no more cells beside it.
+BESIDE_LINE = 3
 # Points of the branches at a place of a region, each way.
 POINTS = 2000
 
@@ -77,10 +79,10 @@ def chart(system: System, branches: Sequence[Branch], names: tuple[str, str] | N
     lines = [line for curve in equilibria for line in _borders(curve, x, y)]
     found = regions(raster, lines)
     places = [raster.center(*cell) for cell in found.inside]
-    computed = tuple(
-        Region(at, tuple(_solutions(system, equilibria, known, (x, y), at, raster))) for at in places
-    )
-    notes = tuple(_notes(equilibria, of_orbits, found))
+    cuts = [_cut(system, equilibria, known, (x, y), at, raster) for at in places]
+    computed = tuple(Region(at, tuple(_solutions(cut))) for at, cut in zip(places, cuts, strict=True))
+    missed = _missed([(at[1], cut) for at, cut in zip(places, cuts, strict=True)], (x, y), raster, lines)
+    notes = (*_notes(equilibria, of_orbits, found), *missed)
     return Chart((x, y), tuple(raster.low), tuple(raster.high), found.labels, computed, notes)
 
 
@@ -136,15 +138,15 @@ def _notes(curves: Sequence[Branch], of_orbits: Sequence[Branch], found: Regions
 # -- what is at a place ------------------------------------------------------------------------------------
 
 
-def _solutions(
+def _cut(
     system: System,
     curves: Sequence[Branch],
     known: Sequence[Branch],
     names: tuple[str, str],
     at: tuple[float, float],
     raster: Raster,
-) -> list[Solution]:
-    """The solutions at a place, on all branches along the first parameter that begin at what is known."""
+) -> list[Branch]:
+    """All branches along the first parameter that begin at what is known, the place marked on them."""
     x, x0 = names[0], at[0]
     settings = Settings(
         range=(float(raster.low[0]), float(raster.high[0])),
@@ -164,12 +166,42 @@ def _solutions(
     diagram = Diagram(starts(), Plan(settings, CROSSINGS, 3))
     for _ in diagram.events():
         pass
+    return diagram.branches
+
+
+def _solutions(cut: Sequence[Branch]) -> list[Solution]:
+    """The solutions at the place of a cut."""
     found: list[Solution] = []
-    for branch in diagram.branches:
+    for branch in cut:
         for point in branch.special_points:
             if point.label == MARK and point.kind == "parameter":
                 found.append(Solution(point.unstable_after, point.admissible, dict(point.state)))
     return _different(found)
+
+
+def _missed(
+    cuts: Sequence[tuple[float, Sequence[Branch]]],
+    names: tuple[str, str],
+    raster: Raster,
+    lines: Sequence[np.ndarray],
+) -> Iterator[str]:
+    """Where solutions change on a cut, at a value of the second parameter, and no line is."""
+    met = np.concatenate([np.zeros((0, 2), dtype=int), *(raster.met(line) for line in lines)])
+    x, y = names
+    places: dict[tuple[str, int, int], str] = {}
+    for y0, cut in cuts:
+        for point in (p for branch in cut for p in branch.special_points if p.label in BORDERS):
+            x0 = point.parameters[x]
+            for cell in raster.met(np.array([[x0, y0], [x0, y0]]))[:1]:
+                if np.min(np.abs(met - cell).max(axis=1), initial=BESIDE_LINE + 1) > BESIDE_LINE:
+                    place = f"{point.label} at {x} = {x0:.6g}, {y} = {y0:.6g}"
+                    places.setdefault((point.label, int(cell[0]), int(cell[1])), place)
+    if places:
+        every = "; ".join(places.values())
+        yield (
+            f"Solutions change where no curve was followed ({every}): the numbers of the "
+            "region there hold on one side only. Compute the branches there too, and follow these points."
+        )
 
 
 def _different(solutions: Sequence[Solution]) -> list[Solution]:

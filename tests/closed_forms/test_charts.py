@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -29,6 +30,14 @@ def pitchfork(t, x, p, dx):
     dx[0] = x[0] * (p.a - p.b - x[0] ** 2)
 
 
+def spiral_on_a_fold(t, x, p, dx):
+    """Folds where m = 0, and on both branches Hopf points where m = 1.2 - b^2."""
+    growth = p.m + p.b**2 - 1.2 - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = growth * x[1] + x[0]
+    dx[2] = p.m - x[2] ** 2
+
+
 def study(field, states, parameters, state, points, ranges) -> tuple[list[Branch], Chart]:
     system = small_system(field, states, parameters)
     free = next(iter(ranges))
@@ -49,6 +58,17 @@ def test_three_equilibria_inside_the_cusp() -> None:
             x = solution.state["x"]
             assert abs(region.at[0] + region.at[1] * x - x**3) < 1e-13
             assert solution.unstable == (region.at[1] - 3.0 * x**2 > 0.0)
+
+
+def test_a_chart_says_where_solutions_change_and_no_curve_was_followed() -> None:
+    """Along m at b = 0 the Hopf points are beyond the range: one number was told of both their sides."""
+    ranges = {"m": (-1.0, 1.0), "b": (0.0, 2.0)}
+    start = [0.0, 0.0, math.sqrt(0.5)]
+    _, found = study(spiral_on_a_fold, "xyz", {"m": 0.5, "b": 0.0}, start, ["LP1"], ranges)
+    beyond = next(region for region in found.regions if region.at[0] > 0.0)
+    (note,) = found.notes
+    assert f"HB at m = {1.2 - beyond.at[1] ** 2:.6g}, b = {beyond.at[1]:.6g}" in note
+    assert "LP" not in note
 
 
 def test_a_chart_has_the_ranges_that_curves_were_looked_for_in() -> None:
