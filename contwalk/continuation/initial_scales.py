@@ -37,7 +37,8 @@ def initial_magnitudes(
     known[-1] = parameter_weight
     tangent = np.abs(kernel_direction(linearization.jacobian, known))
     sized[-1] = True
-    moving = sized & (tangent > 0.0)
+    # A parameter that stands still along a curve moves by rounding: others would be told endlessly far.
+    moving = sized & (tangent > _NOTHING * known * float(np.max(tangent / known)))
     if not np.any(moving):
         return magnitudes
     moved = tangent * float(np.min(known[moving] / tangent[moving]))

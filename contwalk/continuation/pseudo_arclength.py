@@ -285,6 +285,9 @@ def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settin
         return outcomes.limit(found.type, final, asked, words)
     if found.located.vectors.get("returned_to_parent"):
         return outcomes.returned_to_parent()
+    if "end" in found.located.vectors:
+        ended: Outcome = found.located.vectors["end"]
+        return ended
     if found.type.saddles and settings.neutral_saddles == "stop":
         return outcomes.neutral_saddles()
     if found.mark is None:

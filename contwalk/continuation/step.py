@@ -11,6 +11,7 @@ from contwalk.continuation import branch_jumps, control, domain_edge, kinks_pass
 from contwalk.continuation.attempt import Attempt, Refusal, attempt
 from contwalk.continuation.back_at_parent import WentOver, back_at_parent
 from contwalk.continuation.detection import at_the_end
+from contwalk.continuation.end_ahead import end_ahead
 from contwalk.continuation.end_within import up_to_end
 from contwalk.continuation.locating import Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
@@ -64,8 +65,9 @@ class _Search:
     # Steps from a branch point on which the branch is a parabola that turns too much; whether one is tried.
     parabolas: list[float] = field(default_factory=list)
     on_parabola: bool = False
-    # For the parent, beside which shorter steps know no more.
+    # For the parent, beside which shorter steps know no more; for a point at which curves end.
     looked: bool = False
+    ended: bool = False
 
 
 def take_step(
@@ -82,6 +84,11 @@ def take_step(
         if met.instead is not None:
             length = met.instead
             continue
+        if not search.ended:
+            search.ended = True
+            end = end_ahead(problem, state.sample, length, settings, observer)
+            if end is not None:
+                return Step(end[0], end[0].b, [end[1]], length)
         outcome = _given_up(problem, attempted, met, search, state, settings, observer)
         if outcome is not None:
             return outcome
@@ -301,7 +308,7 @@ def _special(
     if not all(control.inside(f.located.z, settings.bounds) for f in found):
         raise TooLong("The step passes the end of the range and comes back.")
     counted = _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
-    return [f for f in counted if f.type.told]
+    return [f for f in counted if f.type.tells_of(f.located)]
 
 
 def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -> bool:

@@ -160,6 +160,17 @@ class PointType:
         """The eigenvalue that is critical at a stored point."""
         return complex(sample.critical)
 
+    def ends_ahead(self, problem: Any, sample: Sample) -> Located | None:
+        """The point ahead of a sample at which a curve ends and beside which its equations are singular.
+
+        Its vectors have the outcome, `end`. None where curves go on.
+        """
+        return None
+
+    def tells_of(self, located: Located) -> bool:
+        """Whether a located point is stored, and not only what another test sees of one that is."""
+        return self.told
+
 
 class LimitType(PointType):
     """A kind of point beyond which solutions are not the machine's: `Test.MARGIN`.

@@ -38,11 +38,12 @@ def solve(
     system: DefiningSystem,
     start: np.ndarray,
     described: Callable[[Solution], Located | None],
-    unfolds: bool = False,
+    unfoldings: Sequence[int] = (),
 ) -> Located | None:
     """Newton's method now, refinement when it is asked for; `described` reads a point out of a solution.
 
-    `unfolds`: the last unknown is the rounding of the equations, which goes where these are exact.
+    `unfoldings` are the numbers of unknowns that are the rounding of the equations, which goes where these
+    are exact.
 
     `start` holds the unknowns of the system, shape (k,).
     """
@@ -59,8 +60,8 @@ def solve(
         moved = np.abs(solution.values - found) if solution.refined else solution.errors
         moved = moved / np.maximum(np.abs(found), system.scale)
         # Refinement that ends elsewhere, or nowhere near, has left the neighbourhood of Newton's solution.
-        judged = moved[: -1 if unfolds else system.deficient]
-        return None if np.max(judged) > LEFT else described(solution)
+        moved[list(unfoldings)] = 0.0
+        return None if np.max(moved[: system.deficient]) > LEFT else described(solution)
 
     return replace(located, refine=refined)
 

@@ -203,6 +203,14 @@ class Augmented:
         """How many of the unknowns are those of conditions."""
         return sum(condition.unknowns for condition in self.conditions)
 
+    @property
+    def unfoldings(self) -> tuple[int, ...]:
+        """The numbers of those unknowns that unfold F: zero at solutions but for rounding."""
+        owns = (condition for condition in self.conditions if condition.unknowns)
+        return tuple(
+            self.plane.size + k for k, condition in enumerate(owns) if condition.unfolding is not None
+        )
+
     def split(self, u: Any) -> tuple[Any, list[Any]]:
         """z of the plane, and the unknown of each condition, 0 of one that has none."""
         size, count = self.plane.size, self.own
@@ -251,6 +259,17 @@ class Augmented:
                 own_column += 1
             row = here.stop
         return jacobian
+
+    def with_unfoldings(self, scale: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Magnitudes of U with such of unfoldings as matter to equations, which have the derivatives `rows`.
+
+        Their own are those of rounding, and beside a solution all that moves would be they. The shapes are
+        (k,) and (j, k).
+        """
+        units = scale.copy()
+        for place in self.unfoldings:
+            units[place] = 1.0 / float(np.abs(rows[:, place]).max())
+        return units
 
     def values(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Residual, its Jacobian by U, and the rounding of the conditions.
@@ -309,11 +328,12 @@ def defining_system(
 
     def jacobian(u: np.ndarray) -> np.ndarray:
         matrix = augmented.values(u)[1]
-        scaled = matrix * scale
-        largest = np.abs(scaled).max(axis=1, keepdims=True)
-        tangent = np.linalg.svd(scaled / np.where(largest > 0.0, largest, 1.0))[2][-1]
-        ahead, behind = (value(u + sign * BESIDE * scale * tangent) for sign in (1.0, -1.0))
-        return np.vstack([matrix, (ahead - behind) / (2.0 * BESIDE) * tangent / scale])
+        largest = np.abs(matrix * scale).max(axis=1, keepdims=True)
+        rows = matrix / np.where(largest > 0.0, largest, 1.0)
+        units = augmented.with_unfoldings(scale, rows)
+        tangent = np.linalg.svd(rows * units)[2][-1]
+        ahead, behind = (value(u + sign * BESIDE * units * tangent) for sign in (1.0, -1.0))
+        return np.vstack([matrix, (ahead - behind) / (2.0 * BESIDE) * tangent / units])
 
     def exactly(u: Sequence[Any]) -> list[Any]:
         values, place, told, owns = augmented.exactly(u)

@@ -27,6 +27,8 @@ from contwalk.system import Neutral, System
 
 # A pair's kappa has at least this magnitude, against the square of the size of F_u in balanced units.
 LEAST_KAPPA = 1e-6
+# F_u is no larger than this where magnitudes are told: Newton's method that diverges leads anywhere.
+LARGEST = 1e100
 TINY = float(np.finfo(float).tiny)
 
 
@@ -64,6 +66,7 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         self.near = self.in_plane(near)
         self.weights: np.ndarray | None = None  # of the metric that it is walked in, where that is known
         self.augmented = Augmented(plane, (curve.condition(plane, self.near, self.own(near)),))
+        self.kept: dict[str, Any] = {}  # what kinds of special points need not find out again on one step
         self.size = plane.size + curve.own + 1
         self.periods = np.insert(plane.periods, plane.size, [0.0] * curve.own)
 
@@ -154,8 +157,8 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         matrix = self.plane.jacobian(self.in_plane(z))[:, : self.plane.size]
         own = magnitudes[: self.plane.size]
         typical = np.where(np.isfinite(own) & (own > 0.0), own, 1.0)
-        balance = float(np.abs(balanced(matrix)[0]).max()) ** 2
-        plain = float(np.abs(matrix * typical / typical[:, None]).max()) ** 2
+        each = balanced(matrix)[0], matrix * typical / typical[:, None]
+        balance, plain = (min(float(np.abs(one).max()), LARGEST) ** 2 for one in each)
         known = max(abs(self.kappa(z)), LEAST_KAPPA * balance)
         return known if known > EPSILON * plain else LEAST_KAPPA * plain
 

@@ -102,6 +102,33 @@ def cusp_coefficient(plane: Plane, z: np.ndarray) -> dict[str, Any]:
     }
 
 
+def pitchfork_coefficients(plane: Plane, z: np.ndarray) -> dict[str, Any]:
+    """c, which is zero, and e of y' = b y + c y^3 + e y^5 at a degenerate pitchfork z, shape (N + 2,)."""
+    place = FloatPlace(plane, z)
+    found = zero_condition(place, zero_borders(place.matrix))
+    q, p = _normalized(found.right[0], found.left[0], plane.finite)
+    second, third, several = place.second, place.third, place.several
+
+    def solved(right: np.ndarray) -> np.ndarray:
+        return _bordered_solve(place.matrix, q, p, (p @ right) * plane.finite * q - right)
+
+    h2 = solved(second(q, q))
+    drive = third(q, q, q) + 3 * second(q, h2)
+    h3 = solved(drive)
+    h4 = solved(several(q, q, q, q) + 6 * third(q, q, h2) + 3 * second(h2, h2) + 4 * second(q, h3))
+    fifth = (
+        several(q, q, q, q, q)
+        + 10 * (several(q, q, q, h2) + third(q, q, h3) + second(h2, h3))
+        + 15 * third(q, h2, h2)
+        + 5 * second(q, h4)
+    )
+    return {
+        "c": float(p @ drive) / 6.0,
+        "e": float(p @ fifth) / 120.0,
+        "convention": "y' = b y + c y^3 + e y^5, |q| = 1, p.q = 1",
+    }
+
+
 def bogdanov_takens_coefficients(plane: Plane, z: np.ndarray) -> dict[str, Any]:
     """a and b of y1' = y2, y2' = b1 + b2 y1 + a y1^2 + b y1 y2 at z, shape (N + 2,)."""
     place = FloatPlace(plane, z)

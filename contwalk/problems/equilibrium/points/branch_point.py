@@ -171,7 +171,7 @@ def _branch_point_from(problem: EquilibriumEquations, sample: Sample, left: np.n
         vectors = {"left": found.values[size + 1 : -1], "exact": found.exact}
         return Located(found.values[: size + 1], float(found.errors[size]), vectors, found.refined)
 
-    return solve(system, np.concatenate([sample.z, start, [0.0]]), described, unfolds=True)
+    return solve(system, np.concatenate([sample.z, start, [0.0]]), described, unfoldings=(-1,))
 
 
 # -- the normal form ---------------------------------------------------------------------------------------

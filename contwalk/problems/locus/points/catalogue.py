@@ -10,6 +10,7 @@ from contwalk.problems.locus.points.bogdanov_takens import (
 from contwalk.problems.locus.points.count_change import CountChange
 from contwalk.problems.locus.points.crossing import Crossing
 from contwalk.problems.locus.points.cusp import Cusp
+from contwalk.problems.locus.points.degenerate_crossing import CrossingOfFolds, DegenerateBranchPoint
 from contwalk.problems.locus.points.double_hopf import DoubleHopf
 from contwalk.problems.locus.points.generalized_hopf import GeneralizedHopf
 from contwalk.problems.locus.points.marked_value import EndPoint, MarkedValue
@@ -25,8 +26,8 @@ from contwalk.problems.locus.points.zero_hopf import (
 _MARKS = (MarkedValue(), EndPoint())
 _OF_ALL = (Crossing(), *_MARKS)
 POINT_TYPES: dict[str, tuple[LocusPoint, ...]] = {
-    "LP": (Cusp(), SecondZero(), PairOnFold(), *_OF_ALL),
-    "BP": (SecondZeroOnBranchPoints(), PairOnBranchPoint(), *_OF_ALL),
+    "LP": (Cusp(), SecondZero(), PairOnFold(), CrossingOfFolds(), *_MARKS),
+    "BP": (SecondZeroOnBranchPoints(), PairOnBranchPoint(), DegenerateBranchPoint(), *_OF_ALL),
     "UZ": (FoldOnIt(), HopfOnIt(), *_OF_ALL),
     "HB": (
         VanishingFrequency(),

@@ -188,7 +188,7 @@ class _Singular:
 
         scale = np.append(self.weights, max(unfolding, 1e-300))
         system = DefiningSystem(scale, residual, jacobian, exactly)
-        return solve(system, np.append(start, 0.0), described, unfolds=True)
+        return solve(system, np.append(start, 0.0), described, unfoldings=(-1,))
 
     @property
     def missed(self) -> float:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+from contwalk.branch import Outcome
 from contwalk.problems.equilibrium.points.point import Form
-from contwalk.problems.locus.bordered import Critical, zero_borders
-from contwalk.problems.locus.conditions import Augmented, Zero
+from contwalk.problems.locus.bordered import Critical
 from contwalk.problems.locus.normal_forms import cusp_coefficient
 from contwalk.problems.locus.plane import FloatPlace, Place
-from contwalk.problems.locus.points.persisting import KIND, NOTE, better, branch_point, persists
+from contwalk.problems.locus.points.degenerate_crossing import form_of, is_pitchfork, touched
+from contwalk.problems.locus.points.persisting import better, persists
 from contwalk.problems.locus.points.point import LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Test
 
@@ -26,24 +28,32 @@ class Cusp(LocusPoint):
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The cusp near a sample, or where folds touch a curve of branch points."""
-        plane, size = problem.plane, problem.plane.size
-        matrix = plane.jacobian(problem.in_plane(sample.z))[:, :size]
-        fold = Zero(zero_borders(matrix, sample.weights[:size]))
+        found = located_by(problem, problem.augmented, sample, [], quadratic)
+        return better(sample, found, touched(problem, sample))
 
-        def function(place: Place, told: Any, own: Any) -> Any:
-            return quadratic(place, fold.told(place, 0.0), 0.0)
-
-        crossing = Augmented(plane, (branch_point(problem, sample),))
-        return better(
-            sample,
-            located_by(problem, problem.augmented, sample, [], quadratic),
-            located_by(problem, crossing, sample, [0.0], function),
+    def ends_ahead(self, problem: Any, sample: Sample) -> Located | None:
+        """Where folds come to pitchforks: both parameters turn there, back along the same curve."""
+        found = touched(problem, sample)
+        settled = None if found is None or not is_pitchfork(problem, found) else found.settled()
+        if settled is None:
+            return None
+        values = problem.values_of(settled.z)
+        place = ", ".join(
+            f"{name} = {values[name]:.6g}" for name in (problem.free, str(problem.plane.second))
         )
+        end = Outcome(
+            "complete",
+            "rejoined",
+            f"The folds become pitchforks near {place}: what follows are their mirror images, at the same "
+            "parameters. Nothing to do.",
+        )
+        return replace(settled, vectors={**settled.vectors, "end": end})
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The cubic coefficient c."""
-        numbers = cusp_coefficient(problem.plane, problem.in_plane(located.z))
-        return (KIND, None, numbers, NOTE) if persists(located) else (None, None, numbers, None)
+        if persists(located):
+            return form_of(problem, located)
+        return None, None, cusp_coefficient(problem.plane, problem.in_plane(located.z)), None
 
 
 def quadratic(place: Place, found: Critical, kappa: Any) -> Any:

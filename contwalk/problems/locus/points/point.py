@@ -106,7 +106,7 @@ def located_by(
         place = np.concatenate([z[:size], kept, z[size:]])
         return Located(place, float(found.errors[-1]), vectors, found.refined)
 
-    return solve(system, start, described, unfolds=False)
+    return solve(system, start, described, augmented.unfoldings)
 
 
 def _is_pair(condition: Condition) -> bool:

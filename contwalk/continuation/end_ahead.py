@@ -1,0 +1,57 @@
+"""The special point at which a curve ends, reached from a step that failed beside it.
+
+Beside such a point the equations are singular and Newton's method contracts on ever shorter steps only; the
+point itself is known well, and beyond it the curve is its own mirror image.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.continuation import outcomes
+from contwalk.continuation.locating import Found
+from contwalk.continuation.marks import Observer, marked
+from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.continuation.settings import Settings
+from contwalk.numerics.linear import norm_in
+from contwalk.problems.problem import Located, PointType, Problem, Sample
+
+# The point lies no farther ahead than so many times the step that failed, or that is to follow.
+AHEAD = 4.0
+# The cosine of the way there with the tangent, at least: curves that pass beside the point are others.
+ALONG = 0.99
+
+
+def end_ahead(
+    problem: Problem, a: Sample, length: float, settings: Settings, observer: Observer
+) -> tuple[Segment, Found] | None:
+    """The piece of a curve from `a` to the point at which it ends, a few steps of a length away at most.
+
+    None where there is no such point, or where something else lies before it: an eigenvalue that crosses, or
+    a mark.
+    """
+    for kind in problem.point_types:
+        try:
+            located = kind.ends_ahead(problem, a)
+            found = None if located is None else _reached(problem, kind, located, a, length)
+        except (*outcomes.BREAKDOWNS, LostBranch):
+            continue
+        if found is not None:
+            return None if marked(found[0], settings.sought, observer, [1.0]) else found
+    return None
+
+
+def _reached(
+    problem: Problem, kind: PointType, located: Located, a: Sample, length: float
+) -> tuple[Segment, Found] | None:
+    """The piece of a curve up to a point of a kind, if it leads there."""
+    way = located.z - a.z
+    far = norm_in(way, a.weights)
+    if not 0.0 < far < AHEAD * length or a.tangent @ (way / a.weights**2) < ALONG * far:
+        return None
+    there = problem.examine(located.z, way / far, a.weights, problem.linearize(located.z), a.unstable)
+    if there.unstable != a.unstable:
+        return None
+    known = float(located.error / a.weights[-1])
+    there = there.varied(orientation=a.orientation, error=known if np.isfinite(known) else a.error)
+    return Segment(problem, a, there), Found(1.0, kind, located, there, a.unstable, a.unstable, counted=True)

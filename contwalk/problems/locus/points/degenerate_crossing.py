@@ -1,0 +1,148 @@
+"""Branch points at which the coefficient that tells their kind vanishes, and that a curve of folds touches.
+
+With y' = mu y + a y^2 + c y^3 + e y^5 branches cross where mu = 0. Transcritical points have folds beside
+them where mu = a^2 / 4c, and these touch them where a = 0. Pitchforks, whose a is zero all along, have folds
+where mu = c^2 / 4e, and change there, where c = 0, between super- and subcritical (Golubitsky & Schaeffer
+1985, Singularities and Groups in Bifurcation Theory I, section VI.2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from contwalk.numerics.linear import kernel_direction
+from contwalk.problems.equilibrium.points.point import Form
+from contwalk.problems.locus.bordered import Borders, zero_borders, zero_condition
+from contwalk.problems.locus.conditions import Augmented
+from contwalk.problems.locus.normal_forms import cusp_coefficient, pitchfork_coefficients
+from contwalk.problems.locus.plane import FloatPlace, Place, Plane
+from contwalk.problems.locus.points.crossing import Crossing
+from contwalk.problems.locus.points.persisting import KIND, NOTE, branch_point, persists
+from contwalk.problems.locus.points.point import LocusPoint, located_by
+from contwalk.problems.problem import Located, Sample, Test
+
+# p.B(q, q) below this part of its terms is rounding of zero.
+ZERO = 1e-9
+# How far along a curve of branch points it must be zero too, in the metric: at a pitchfork it is everywhere.
+BESIDE = 1e-3
+PITCHFORK = "pitchforks change between super- and subcritical here, and a curve of folds touches theirs"
+
+# Under which key a problem keeps which coefficient is watched.
+KEPT = "coefficient of branch points"
+
+Coefficient = Callable[[Place, Borders], Any]
+
+
+def quadratic(place: Place, borders: Borders) -> Any:
+    """p.B(q, q)."""
+    found = zero_condition(place, borders)
+    return found.left[0] @ place.second(found.right[0], found.right[0])
+
+
+def cubic(place: Place, borders: Borders) -> Any:
+    """p.(C(q, q, q) + 3 B(q, h)) with F_u h = -B(q, q), which is solvable where p.B(q, q) = 0."""
+    found = zero_condition(place, borders)
+    q, p = found.right[0], found.left[0]
+    edge = np.zeros((1, 1))
+    bordered = np.block([[place.matrix, borders.column[:, None]], [borders.row[None, :], edge]])
+    h = place.solver(bordered)(np.append(-place.second(q, q), 0.0))[: len(q)]
+    return p @ (place.third(q, q, q) + 3 * place.second(q, h))
+
+
+def are_pitchforks(plane: Plane, z: np.ndarray, along: np.ndarray) -> bool:
+    """Whether p.B(q, q) is zero at a branch point z and beside it, `along` their curve; both (N + 2,)."""
+    return all(_vanishes(plane, z + aside * BESIDE * along) for aside in (0.0, 1.0, -1.0))
+
+
+def _vanishes(plane: Plane, z: np.ndarray) -> bool:
+    place = FloatPlace(plane, z)
+    found = zero_condition(place, zero_borders(place.matrix))
+    bent = place.second(found.right[0], found.right[0])
+    return bool(abs(found.left[0] @ bent) <= ZERO * (np.abs(found.left[0]) @ np.abs(bent)))
+
+
+def touched(problem: Any, sample: Sample) -> Located | None:
+    """The branch point near a sample of a curve of folds at which these touch a curve of branch points."""
+    branch_points = Augmented(problem.plane, (branch_point(problem, sample),))
+    for coefficient in (quadratic, cubic):
+        with suppress(np.linalg.LinAlgError):
+            found = _located(problem, sample, branch_points, [0.0], coefficient)
+            if found is not None and is_pitchfork(problem, found) == (coefficient is cubic):
+                return found
+    return None
+
+
+def is_pitchfork(problem: Any, located: Located) -> bool:
+    """Whether a point located on a curve of branch points is one of pitchforks."""
+    augmented: Augmented = located.vectors["augmented"]
+    z = problem.in_plane(located.z)
+    u = augmented.joined(z, located.vectors["own"])
+    weights = np.maximum(np.abs(u), 1.0)
+    along = augmented.split(kernel_direction(augmented.values(u)[1], weights))[0]
+    return are_pitchforks(problem.plane, z, along)
+
+
+def _located(
+    problem: Any, sample: Sample, augmented: Augmented, own: Sequence[float], coefficient: Coefficient
+) -> Located | None:
+    plane = problem.plane
+    borders = zero_borders(plane.jacobian(problem.in_plane(sample.z))[:, : plane.size])
+
+    def function(place: Place, told: Any, own: Any) -> Any:
+        return coefficient(place, borders)
+
+    return located_by(problem, augmented, sample, own, function)
+
+
+def form_of(problem: Any, located: Located) -> Form:
+    """What is told of such a point."""
+    z = problem.in_plane(located.z)
+    if is_pitchfork(problem, located):
+        return KIND, None, pitchfork_coefficients(problem.plane, z), PITCHFORK
+    return KIND, None, cusp_coefficient(problem.plane, z), NOTE
+
+
+class DegenerateBranchPoint(LocusPoint):
+    """On a curve of branch points."""
+
+    label, test, of_place = "CP", Test.VALUE, True
+
+    def value(self, problem: Any, sample: Sample) -> float:
+        """The coefficient that tells the kind, by borders that are the same on the whole step."""
+        coefficient, borders = _watched(problem, sample)
+        return float(coefficient(FloatPlace(problem.plane, problem.in_plane(sample.z)), borders))
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The point near a sample."""
+        coefficient, _ = _watched(problem, sample)
+        return _located(problem, sample, problem.augmented, [problem.own(sample.z)], coefficient)
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The next coefficient."""
+        return form_of(problem, located)
+
+
+def _watched(problem: Any, sample: Sample) -> tuple[Coefficient, Borders]:
+    """The coefficient whose zeros are looked for on a step of a curve of branch points, and its borders."""
+    if KEPT not in problem.kept:
+        plane, z, along = problem.plane, *(problem.in_plane(v) for v in (sample.z, sample.tangent))
+        coefficient = cubic if are_pitchforks(plane, z, along) else quadratic
+        problem.kept[KEPT] = coefficient, zero_borders(plane.jacobian(problem.near)[:, : plane.size])
+    watched: tuple[Coefficient, Borders] = problem.kept[KEPT]
+    return watched
+
+
+class CrossingOfFolds(Crossing):
+    """On a curve of folds: another one crosses, or they touch pitchforks; equations are singular at both."""
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The crossing, or the degenerate pitchfork, near a sample."""
+        return super().locate(problem, sample, which) or touched(problem, sample)
+
+    def tells_of(self, located: Located) -> bool:
+        """Not of the pitchfork: that the cusp's function passes zero there says it already."""
+        return not ("augmented" in located.vectors and persists(located))
