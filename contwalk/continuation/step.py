@@ -154,7 +154,7 @@ def _taken(
     if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
         raise TooLong("The step ends at a limit, to within its errors.")
     if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
-        found += at_the_end(segment)
+        found += [f for f in at_the_end(segment) if f.type.told]
     return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
 
 
@@ -235,7 +235,8 @@ def _segment(
     suddenly = problem.meshed is not None and there.error > max(1.0, SUDDENLY * a.error)
     if suddenly and a.orientation != 0.0:
         raise TooLong("What is found there is not known to its own size.")
-    segment = Segment(problem, a, there.varied(iterations=correction.iterations))
+    there = _counted_beyond(a, there.varied(iterations=correction.iterations))
+    segment = Segment(problem, a, there)
     if not smallest and branch_jumps.jumped(segment, correction.iterations):
         raise TooLong("The step does not lie along the branch: it may have left it for another one.")
     # Orientation is not defined at a branch point that the walk begins at.
@@ -243,6 +244,20 @@ def _segment(
         return segment
     beside = _beside(segment)
     return Segment(segment.problem, beside, segment.b)
+
+
+def _counted_beyond(a: Sample, b: Sample) -> Sample:
+    """The end of a step over a branch point, at which a real eigenvalue is not known to its own size.
+
+    Such ones count as at the neighbouring point; but one of them has passed, and its sign tells.
+    """
+    if a.orientation * b.orientation >= 0.0 or a.unstable != b.unstable:
+        return b
+    real = b.eigenvalues[: len(b.measures)].imag == 0.0
+    doubtful = real & (np.abs(b.measures) <= b.errors)
+    positive = np.count_nonzero(doubtful & (b.measures > 0.0))
+    counted = int(np.count_nonzero(b.measures > b.errors) + positive)
+    return b.varied(unstable=counted) if abs(counted - a.unstable) == 1 else b
 
 
 def _tangent(a: Sample, linearization: Linearization) -> np.ndarray:

@@ -60,7 +60,10 @@ class Spectrum:
             free = ~bordering[: len(real)]
             counted = free & (np.cumsum(free) <= before)
         doubtful = ~(np.abs(real) > errors)
-        return int(np.count_nonzero(certain | (doubtful & counted)))
+        counted = certain | (doubtful & counted)
+        # Both of a pair are unstable, or neither is: as where it has come out of two real ones that met.
+        alone = doubtful & counted & (self.values.imag[: len(real)] != 0.0)
+        return int(np.count_nonzero(counted)) - int(np.count_nonzero(alone)) % 2
 
 
 def complement(generators: np.ndarray) -> np.ndarray:

@@ -157,6 +157,10 @@ def recurrent(
         path = _checked(simulation, simulation.run(t, x, float(until) / unit, weights), unit).path
         t, x = float(path.times[-1]), path.states[-1].copy()
     length = 8.0 if forced else _first_length(simulation, x, weights)
+    if until != "settled" and not forced:
+        begun = _begun_on(simulation, t, x, length, weights)
+        if begun is not None:
+            return begun
     taken = 0
     for stretch in range(STRETCHES):
         run = _checked(simulation, simulation.run(t, x, t + length, weights), unit)
@@ -165,11 +169,11 @@ def recurrent(
         _check_moves(simulation, path, variation, weights)
         found = _return(simulation, run, variation, weights)
         if found is not None:
-            sizes = magnitudes_on(simulation.states, path.states, TOLERANCE)
-            return Recurrence(found[0], found[1] * unit, 0.5 * variation, sizes)
+            return _recurrence(simulation, path, found, unit)
         reached = np.maximum(reached, np.abs(path.states).max(axis=0))
         # A stretch may see next to nothing of a slow motion: what it varies by does not tell all.
         weights = np.maximum(np.maximum(0.5 * variation, LEAST * reached), LEAST * weights)
+        weights = np.maximum(weights, LEAST_VARIATION)
         t, x = float(path.times[-1]), path.states[-1].copy()
         taken += len(path.times)
         if taken > MOST_STEPS:
@@ -182,6 +186,35 @@ def recurrent(
         "or settles on a motion that is not periodic.",
         "Simulate for longer with until: SECONDS, or start from another state.",
     )
+
+
+def _begun_on(
+    simulation: Simulation, t: float, x: np.ndarray, length: float, weights: np.ndarray
+) -> Recurrence | None:
+    """The orbit that a state lies on, if it does: looked for from the state itself, since a motion leaves an
+    unstable one soon; None where it does not come back within as many steps as a stretch has.
+    """
+    for _ in range(STRETCHES):
+        run = simulation.run(t, x, t + length, weights)
+        path = run.path
+        variation = np.ptp(path.states, axis=0)
+        if path.status != "ok" or _still(variation, path.states[-1], weights):
+            return None
+        found = _return(simulation, run, variation, weights)
+        if found is not None:
+            return _recurrence(simulation, path, found, 1.0)
+        if len(path.times) >= STEPS:
+            return None
+        length *= 1.5
+    return None
+
+
+def _recurrence(
+    simulation: Simulation, path: flow.Path, found: tuple[np.ndarray, float], unit: float
+) -> Recurrence:
+    """What is told of a return, a state and a time in units of so many seconds, on a path."""
+    sizes = magnitudes_on(simulation.states, path.states, TOLERANCE)
+    return Recurrence(found[0], found[1] * unit, 0.5 * np.ptp(path.states, axis=0), sizes)
 
 
 def _first_length(simulation: Simulation, x: np.ndarray, weights: np.ndarray) -> float:

@@ -28,6 +28,10 @@ import numpy as np
 from contwalk.numerics.linear import EPSILON, balanced
 from contwalk.problems.locus.plane import FloatPlace, Place
 
+# Two vectors whose angle has a smaller cosine than this tell no sum; a singular value that is a larger part
+# of the next one tells no vector.
+UNTOLD = 0.1
+
 # Gives of a square matrix the function that applies its inverse.
 Solver = Callable[[np.ndarray], Callable[[np.ndarray], np.ndarray]]
 
@@ -61,14 +65,21 @@ def zero_borders(matrix: np.ndarray, units: np.ndarray | None = None) -> Borders
     """Borders for a zero eigenvalue of F_u, shape (N, N), from its singular vectors.
 
     These are taken in balanced units, or in given ones, shape (N,): near an invariant face balance is lost.
+    Of a matrix that is nilpotent but for roundings, as of a conservative motion at its fold, balance makes
+    one of several small singular values: then they are taken in the states' own units, if these tell one.
     """
     scaled, d = balanced(matrix) if units is None else (matrix * units / units[:, None], units)
-    u, _, vh = np.linalg.svd(scaled)
+    u, values, vh = np.linalg.svd(scaled)
+    if units is None and _next_to_least(values) > UNTOLD:
+        own = np.linalg.svd(matrix)
+        if _next_to_least(own[1]) < UNTOLD:
+            (u, _, vh), d = own, np.ones(len(matrix))
     return _borders(vh[-1], u[:, -1], d)
 
 
-# Two vectors whose angle has a smaller cosine than this tell no sum.
-UNTOLD = 0.1
+def _next_to_least(values: np.ndarray) -> float:
+    """The least singular value against the next one, of shape (N,); zero of one alone."""
+    return float(values[-1] / values[-2]) if len(values) > 1 and values[-2] > 0.0 else 0.0
 
 
 def pair_borders(matrix: np.ndarray, finite: np.ndarray, kappa: float) -> Borders:

@@ -22,7 +22,7 @@ from contwalk.problems.locus.orbit_diagnosis import OrbitLocusDiagnosis
 from contwalk.problems.locus.orbit_limits import LimitsOnCurve, told
 from contwalk.problems.locus.orbit_places import Held, OrbitPlane, evaluated
 from contwalk.problems.locus.orbit_points.catalogue import POINT_TYPES
-from contwalk.problems.orbit import augmented
+from contwalk.problems.orbit import augmented, volumes
 from contwalk.problems.orbit.discretization import FINEST, SOLVED
 from contwalk.problems.orbit.evaluations import Evaluations
 from contwalk.problems.orbit.extents import sizes_since
@@ -206,7 +206,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
             None if known is None else replace(known, observables=known.observables[: self.own_observables])
         )
         seen = there.examine(own.z, own.tangent, own.weights, there.linearize(own.z), None, given)
-        critical = self.curve.critical(self.further(z))
+        critical = _held(self, z, there, own)
         kept = _beside(seen.eigenvalues, critical)
         measures, errors = seen.measures[kept], seen.errors[kept]
         orientation, error = linearization.orientation_and_error(unit, weights, self.errors_at(z))
@@ -335,6 +335,21 @@ class _OnTangent:
     def __init__(self, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray) -> None:
         self.z, self.tangent, self.weights = z, tangent, weights
         self.factor = float(np.linalg.norm(tangent / weights))
+
+
+def _held(locus: OrbitLocus, z: np.ndarray, there: Any, own: _OnTangent) -> np.ndarray:
+    """The multipliers that a curve holds at z, shape (c,).
+
+    Of a motion that conserves something their partners as well: mu and 1/mu, or two pairs of opposite Krein
+    signature, meet there.
+    """
+    critical = locus.curve.critical(locus.further(z))
+    if not (len(critical) and (locus.system.conserved or volumes.kept(there, own.z))):
+        return critical
+    found = there.multipliers(own.z, there.linearize(own.z).jacobian)
+    nearest = int(np.argmin(np.abs(found.values - critical[0])))
+    paired = found.bordering is not None or (found.paired is not None and bool(found.paired[nearest]))
+    return np.repeat(critical, 2) if paired else critical
 
 
 def _beside(values: np.ndarray, critical: np.ndarray) -> np.ndarray:

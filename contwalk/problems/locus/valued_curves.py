@@ -10,6 +10,8 @@ import numpy as np
 from contwalk import quantities
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
+from contwalk.numerics.linear import Factorization
+from contwalk.problems.locus import second_derivatives
 from contwalk.problems.locus.flips import Flips
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curve import OrbitCurve
@@ -136,15 +138,27 @@ def _crossing(near: At, which: int) -> Valued:
     left, _, right = np.linalg.svd(matrix / rows[:, None] * weights)
     b, c = left[:, -1], right[-2:]
 
-    def values(plane: Any, at: np.ndarray) -> np.ndarray:
-        there, matrix = jacobian(plane, at)
+    def bordered(there: Any, matrix: np.ndarray) -> Factorization:
         whole = np.zeros((size + 2, size + 2))
         whole[:size, : size + 1] = matrix / rows[:, None] * weights
         whole[:size, -1], whole[size:, : size + 1] = b, c
-        corner: np.ndarray = there.factored(whole, np.ones(size + 2)).solve_adjoint(np.eye(size + 2)[:, -1])
+        factored: Factorization = there.factored(whole, np.ones(size + 2))
+        return factored
+
+    def values(plane: Any, at: np.ndarray) -> np.ndarray:
+        corner = bordered(*jacobian(plane, at)).solve_adjoint(np.eye(size + 2)[:, -1])
         return corner[size:]
 
-    return vanishing(values, near, np.zeros(1), (b * rows)[:, None])
+    def exactly(plane: Any, at: np.ndarray) -> np.ndarray | None:
+        there, matrix = jacobian(plane, at)
+        if not second_derivatives.known(there, np.append(at[:size], at[-1 - which])):
+            return None
+        factored = bordered(there, matrix)
+        vs = factored.solve(np.eye(size + 2)[:, size:])[: size + 1] * weights[:, None]
+        psi = factored.solve_adjoint(np.eye(size + 2)[:, -1])[:size] / rows
+        return -second_derivatives.of_products(plane, at, which, psi, vs.T, near.in_plane[-2:])
+
+    return replace(vanishing(values, near, np.zeros(1), (b * rows)[:, None]), exactly=exactly)
 
 
 def steepest_crossing(near: At) -> Valued:
@@ -155,7 +169,7 @@ def steepest_crossing(near: At) -> Valued:
 def _sizes(condition: Valued, near: At) -> np.ndarray:
     """How fast the values of a condition change along the solutions of F = 0: singular values, shape (2,)."""
     place = near.place
-    slopes = condition.differenced(near.plane, place, in_plane(near.plane, place)[1])
+    slopes = condition.along(near.plane, place, in_plane(near.plane, place)[1])
     return np.linalg.svd(slopes * near.in_plane, compute_uv=False)
 
 
@@ -196,7 +210,7 @@ def marked_at(orbit: Any, point: SpecialPoint, free: tuple[str, str]) -> OrbitCu
 def vanishing(
     values: Values, near: At, further: np.ndarray | None = None, unfolding: np.ndarray | None = None
 ) -> Valued:
-    """The condition that values vanish, made near a place; their derivatives are differenced.
+    """The condition that values vanish, made near a place; nobody has their derivatives.
 
     Parameters
     ----------

@@ -12,6 +12,7 @@ import numpy as np
 from contwalk.numerics.linear import norm_in
 from contwalk.problems import conserving
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.orbit import volumes
 from contwalk.problems.orbit.equations import blocks_of
 from contwalk.problems.orbit.layout import Segment
 from contwalk.problems.orbit.lifts import PLAIN
@@ -303,7 +304,9 @@ def _of_closure(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> Multip
     tolerance = orbit.mesh.amplified * orbit.mesh.tolerance
     given = segments, leaving, orbit.extended(0), tolerance, arriving
     positive = not (orbit.itinerary.image or orbit.forced)
-    return multipliers(*given, gradients=len(orbit.system.conserved), positive=positive)
+    gradients = len(orbit.system.conserved)
+    kept = not gradients and orbit.spectrum_size == 2 and volumes.kept(orbit, z)
+    return multipliers(*given, gradients=gradients, positive=positive, volumes=kept)
 
 
 def _left_out_along(

@@ -157,15 +157,23 @@ class Multipliers:
     def unstable(self, before: int | None) -> int:
         """Number of multipliers outside the unit circle.
 
-        As many of the doubtful ones count as there were at the neighbouring point; none of a pair, and none
-        that stays on the circle.
+        As many of the doubtful ones count as there were at the neighbouring point; of a pair mu, 1/mu one at
+        the most, and none that stays on the circle.
         """
         measures = self.measures
         certain = int(np.count_nonzero(measures > self.errors))
         doubtful = ~(np.abs(measures) > self.errors)
-        for staying in (self.paired, self.bordering):
-            doubtful = doubtful if staying is None else doubtful & ~staying
-        return certain if before is None else int(np.clip(before, certain, certain + doubtful.sum()))
+        paired = np.zeros(len(measures), dtype=bool) if self.paired is None else self.paired
+        outer = np.where(self.values.imag != 0.0, self.values.imag > 0.0, np.abs(self.values) >= 1.0)
+        doubtful &= ~paired | outer
+        if self.bordering is not None:
+            doubtful &= ~self.bordering
+        if before is None:
+            return certain
+        counted = int(np.clip(before - certain, 0, doubtful.sum()))
+        # Both conjugates are unstable, or neither is: as where they have come out of two real ones that met.
+        conjugates = not np.any(doubtful & (paired | (self.values.imag == 0.0)))
+        return certain + counted - (counted % 2 if conjugates else 0)
 
 
 def multipliers(
@@ -176,6 +184,7 @@ def multipliers(
     arriving: Matrices | None = None,
     gradients: int = 0,
     positive: bool = False,
+    volumes: bool = False,
 ) -> Multipliers:
     """Multipliers of the product of the segments' derivatives.
 
@@ -201,6 +210,8 @@ def multipliers(
     positive : bool
         Whether what is left, if it is one, is positive: so it is of a flow, which turns nothing over. Steps
         that let deviations decay fast have any sign.
+    volumes : bool
+        Whether the map keeps volumes: then two are mu and 1/mu.
     """
     scaled = np.asarray(factors) / magnitudes[:, None] * magnitudes
     sizes = np.maximum(np.linalg.norm(scaled, 2, axis=(1, 2)), LEAST)
@@ -220,12 +231,15 @@ def multipliers(
     each = np.maximum(errors * coarser, leak)
     doubted = np.where(lost, np.maximum(errors, leak / UNKNOWN), errors)
     found = Multipliers(values, doubted, float(each[0]), accuracies=each)
-    if not gradients and len(values) < 3:
+    two = volumes and len(values) == 2
+    if not (gradients or two) and len(values) < 3:
         return found
     whole = product(scaled)
     error = ROUNDING * coarser * max(1.0, *sizes, float(np.linalg.norm(np.nan_to_num(whole), 2)))
     found = replace(found, of_sums=error)
-    return _bordering(reciprocal(found, error) if gradients else found)
+    # Where the growth is shared among segments, a pair near one is not known as badly as the largest one.
+    of_pairs = np.full(len(values), error) if len(scaled) == 1 else np.minimum(error, 2.0 * each)
+    return _bordering(reciprocal(found, error, of_pairs) if gradients or two else found)
 
 
 def of_sections(
@@ -275,11 +289,11 @@ def _bordering(found: Multipliers) -> Multipliers:
     return Multipliers(found.values[order], errors[order], found.accuracy, paired, on_circle[order])
 
 
-def reciprocal(found: Multipliers, error: float) -> Multipliers:
+def reciprocal(found: Multipliers, error: float, of_pairs: np.ndarray | None = None) -> Multipliers:
     """Multipliers of a motion that conserves something, which may come in pairs mu, 1/mu, by moduli.
 
     Of a Hamiltonian or a reversible machine they do: as complex pairs on the unit circle and as real ones.
-    `error` is that of the sum of a pair.
+    `error` is that of any sum of them, `of_pairs` that of the sum of the pair that each belongs to, (r,).
     """
     values, paired = found.values.copy(), np.zeros(len(found.values), dtype=bool)
     near = _pairs_within(values, error)
@@ -296,7 +310,7 @@ def reciprocal(found: Multipliers, error: float) -> Multipliers:
             paired[[i, partner]] = True
     if not paired.any():
         return found
-    errors = np.where(paired, error, found.errors)
+    errors = np.where(paired, error if of_pairs is None else of_pairs, found.errors)
     told = replace(found, errors=errors, paired=paired)
     circle = paired & (values.imag != 0.0)
     order = np.lexsort((-values.imag, -told.measures, -np.where(circle, 1.0, np.abs(values))))

@@ -10,6 +10,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.kink import FieldKink
+from contwalk.problems.orbit import volumes
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.protocol import OrbitKind
@@ -33,8 +34,8 @@ UP_TO_A_FACTOR = (
     "cubic c, up to a common factor: p.q is zero where a pair of multipliers meets"
 )
 PAIR = (
-    "multipliers come in pairs mu, 1/mu here, and a pair meets: the branch that leaves tells by its own "
-    "multipliers which side is stable"
+    "multipliers come in pairs mu, 1/mu here, and a pair meets: no coefficient tells which side is stable, "
+    "but the multipliers of solutions on either side do"
 )
 
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
@@ -104,7 +105,8 @@ def _beside_kinks(
 
 def _form(problem: OrbitData, point: OrbitKind, located: Located, sample: Sample) -> Form:
     """Kind, criticality, coefficients and note of a located point."""
-    if point.multiplier is not None and problem.system.conserved and _double(sample, point.multiplier):
+    double = point.multiplier is not None and _double(sample, point.multiplier)
+    if double and (problem.system.conserved or volumes.kept(problem, located.z)):
         return point.form_of_pair(problem, located, sample)
     return point.form(problem, located, sample)
 

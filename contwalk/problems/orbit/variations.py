@@ -42,15 +42,25 @@ def cycle_derivative(orbit: OrbitData, z: np.ndarray, v: np.ndarray) -> np.ndarr
 
 def cycle_rate(orbit: OrbitData, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
     """Derivative of L v along a direction, for a real v, shape (N,)."""
-    layout, lifted, result = orbit.layout, np.append(v, 0.0), np.zeros(orbit.size)
+    return rate_along(orbit, z, np.append(v, 0.0), tangent)
+
+
+def rate_along(orbit: OrbitData, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """Derivative of DF(z) v along a direction, for a real v, shape (N,); all others have the shape (N + 1,).
+
+    It is symmetric in both, and costs far less than `derivative_along`.
+    """
+    layout, result = orbit.layout, np.zeros(orbit.size)
     for segment, piece in zip(layout.segments, orbit.segments, strict=True):
-        direction, along = layout.inputs_of(segment, lifted), layout.inputs_of(segment, tangent)
+        direction, along = layout.inputs_of(segment, v), layout.inputs_of(segment, tangent)
         moved = piece.changing(*layout.inputs_of(segment, z), direction, along)
         width, rows = len(moved) // 2, segment.ends
         n = rows.stop - rows.start
         result[rows] = moved[width : width + n]
         if width > n:
             result[layout.guards + segment.leg] = moved[width + n]
+    if layout.sum is not None and v[-1] != 0.0 and tangent[-1] != 0.0:
+        result[layout.sum] = -tangent[-1] * period_of(orbit, z, TANGENT, v[-1:])[1]
     return result
 
 

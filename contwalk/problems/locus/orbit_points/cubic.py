@@ -38,8 +38,11 @@ class VanishingCubic(OrbitLocusPoint):
         none or rounding hides it.
 
         Of area-preserving maps it is zero all along, and signs of errors tell nothing. Beside strong
-        resonances its terms are large, and their errors with them, while it may stay what it is.
+        resonances its terms are large, and their errors with them, while it may stay what it is. Where the
+        curve holds both of a pair mu, 1/mu there is none on one direction alone.
         """
+        if len(sample.resting) > max(problem.curve.further + 1, 1):
+            return UNKNOWN[0]
         found, terms = self._with_terms(problem, sample.z)
         hidden = abs(found) <= max(VANISHES, known_to(problem)) * terms
         return math.copysign(UNSURE, found) if hidden else found
