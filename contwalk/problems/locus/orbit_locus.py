@@ -108,7 +108,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
     def _linearized(self, z: np.ndarray) -> Linearization:
         try:
             residual, jacobian = evaluated(self.plane, len(z), z, [self.condition])
-        except np.linalg.LinAlgError:
+        except (np.linalg.LinAlgError, NotFinite):
             residual, jacobian = np.full(self.size, np.nan), np.full((self.size, self.size + 1), np.nan)
         return Linearization(
             residual,

@@ -26,6 +26,8 @@ from contwalk.problems.problem import Located, Sample, Seed, Test
 
 # Where a function is as near to an extremum of zero as it is known, its rate is of the root of that.
 TURNS = 10.0
+# A place that is farther away than this, in the metric, is on no step: those of a walk are a fraction of it.
+FAR = 1.0
 
 
 class OnTori(OrbitLocusPoint):
@@ -71,14 +73,16 @@ class R2OnTori(OnTori):
         """How far the cosine of the angle is from minus one, over its rate along the curve.
 
         Its sign changes where the cosine passes minus one, and also where it comes there and turns back. An
-        extremum elsewhere is a pole. Right at one, nearer than is known, the rate alone tells. Of an angle
-        that stands still along the curve the sign of the rate is noise, and nothing is told.
+        extremum elsewhere is a pole: the value is about how far away the place is, and nothing is told of
+        one that no step comes to. Right at one, nearer than is known, the rate alone tells. Of an angle that
+        stands still along the curve the sign of the rate is noise, and nothing is told.
         """
         beyond, rate = super().value(problem, sample), float(sample.tangent[problem.plane.size])
         known = known_to(problem)
         if abs(beyond) <= known and abs(rate) <= TURNS * known**0.5:
             return rate
-        return beyond / rate if abs(rate) > known else float("nan")
+        near = abs(rate) > known and abs(beyond) <= FAR * abs(rate)
+        return beyond / rate if near else float("nan")
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The point at which the angle passes half a turn, or turns back."""
