@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from contwalk.continuation import control
 from contwalk.continuation.kinds import kinds_of_test
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate
 from contwalk.continuation.segment import Segment
@@ -28,6 +29,8 @@ DOUBTFUL = 0.3
 # or one is below this part of the first one of its side; at the most so often, each time to such parts:
 # halves would meet a pole in the middle, where there is no value.
 NARROWINGS, GROWN, SHRUNK = 30, 100.0, 0.5
+# Degrees by which no branch turns within a step.
+LEADS_AWAY = 60.0
 SHARES = (0.47, 0.55)
 
 
@@ -69,8 +72,21 @@ def _of_kind(segment: Segment, kind: PointType) -> list[Found]:
             raise Disagreement(
                 kind, f"The test function of points {kind.label} passes zero, but none is found."
             )
-        points.append(found)
+        if not _where_curves_cross(segment, found):
+            points.append(found)
     return points
+
+
+def _where_curves_cross(segment: Segment, found: Found) -> bool:
+    """Whether the branch's own equations are singular at a point that tells nothing of that, or beside it.
+
+    A test function may vanish there with all else that it is made of: what it would tell has no meaning.
+    Right beside it what is found is a solution on the other curve, and leads away along that.
+    """
+    if not found.type.of_regular:
+        return False
+    away = control.turn(segment.a, found.sample.tangent)
+    return away > LEADS_AWAY or segment.problem.diagnosis.many_branches(found.located.z)
 
 
 def _is_pole(

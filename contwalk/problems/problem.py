@@ -89,8 +89,8 @@ class PointType:
     test : Test
     changes : tuple of int
         Changes of the unstable count that a point of this kind can bring about.
-    singular : bool
-        Whether the equations are singular there, and tell no error.
+    singular, of_regular : bool
+        Whether the equations are singular there, and tell no error; whether there is none where they are.
     flat : tuple of PointType
         What else is tried where the parameter stands still, to the errors of the equations.
     along : bool
@@ -111,6 +111,7 @@ class PointType:
     test: ClassVar[Test]
     changes: ClassVar[tuple[int, ...]] = (0,)
     singular: ClassVar[bool] = False
+    of_regular: ClassVar[bool] = False
     flat: ClassVar[tuple[PointType, ...]] = ()
     along: ClassVar[bool] = False
     births: ClassVar[bool] = False

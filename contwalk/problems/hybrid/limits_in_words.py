@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.margin_values import ZERO
-from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.hybrid.margins import TOUCH_ENDS, TOUCH_STARTS, Limit
 from contwalk.problems.problem import Located
 
 
@@ -31,6 +31,13 @@ def place_of(problem: LimitedOrbit, limit: Limit, located: Located) -> str:
             f"'{limit.name}' follows {before} at once up to here: its guard is zero where "
             f"mode {leg.mode} begins"
         )
+    if limit.test in (TOUCH_STARTS, TOUCH_ENDS):
+        other = event if limit.test == TOUCH_STARTS else leg.name
+        if other == limit.name:
+            return (
+                f"'{limit.name}' happens where it is touched: its guard has no rate and no second derivative"
+            )
+        return f"'{limit.name}' is touched at the instant of '{other}': beyond it not in mode {leg.mode}"
     if limit.test == "leaving":
         return f"'{limit.name}' is not left again: right after it, in mode {leg.mode}, its guard has no rate"
     return f"'{limit.name}' is touched {after} after {before}, in mode {leg.mode}"

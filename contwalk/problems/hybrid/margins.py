@@ -15,6 +15,8 @@ from contwalk.system import Transition
 KINDS: dict[str, LimitType] = {kind.label: kind for kind in LIMIT_TYPES}
 # Limits whose numbers are not the guard's own: margins tell them under names of their own.
 DERIVED = ("rate", "duration", "leaving", "past")
+# Tests of curves of grazings: the instant of the touch comes to the event before its leg, or after it.
+TOUCH_STARTS, TOUCH_ENDS = "touch_starts", "touch_ends"
 
 
 @dataclass(frozen=True)

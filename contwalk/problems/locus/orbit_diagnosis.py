@@ -12,6 +12,8 @@ from contwalk.branch import Outcome
 from contwalk.errors import NotFinite
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.problems.kink import Kink, Met
+from contwalk.problems.locus.orbit_points.point import known_to
+from contwalk.problems.locus.orbit_points.touches import left_its_leg
 from contwalk.problems.locus.persistence import not_persistent, unfolds
 from contwalk.problems.orbit.homoclinic import saddle_ahead
 from contwalk.problems.orbit.vanishing import shrunk
@@ -28,6 +30,8 @@ APPARENT, PASSED = 1e-5, 0.05
 UNKNOWN, GROWING, BLIND = 1.0, 0.01, 0.1
 # Errors that the finest steps leave of orbits that creep past a saddle: those of longer periods have more.
 CREEPING = 1e-3
+# Equations are singular where a singular value is no more than so many times what the steps leave.
+MANY = 10.0
 
 
 class OrbitLocusDiagnosis:
@@ -40,10 +44,10 @@ class OrbitLocusDiagnosis:
         self._problem, self._plane = problem, problem.plane
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
-        """Branch points that do not persist, and where the orbits end."""
+        """Branch points that do not persist, touches that leave their leg, and where the orbits end."""
         if self.unfolded(b.z):
             return Outcome("failed", "no_convergence", not_persistent(self._problem, b.z))
-        reasons = [self._orbits_end, self._shrinks, self._rejoins]
+        reasons = [self._leaves_its_leg, self._orbits_end, self._shrinks, self._rejoins]
         if self._plane.orbit.in_closure:  # of which alone steps are as fine as curves ask for
             reasons += [self._comes_to_a_loop, self._lost]
         return next((found for reason in reasons if (found := reason(a, b))), None)
@@ -51,6 +55,10 @@ class OrbitLocusDiagnosis:
     def end_functions(self, sample: Sample) -> tuple[float, ...]:
         """None: what ends a curve lies beyond all of its orbits."""
         return ()
+
+    def _leaves_its_leg(self, a: Sample, b: Sample) -> Outcome | None:
+        """The end of a curve of grazings where the touch comes to the instant of another event."""
+        return left_its_leg(self._problem, b.z, self._place(b))
 
     def _comes_to_a_loop(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve that comes to homoclinic or heteroclinic orbits.
@@ -210,8 +218,19 @@ class OrbitLocusDiagnosis:
         return b.kinks
 
     def many_branches(self, z: np.ndarray) -> bool:
-        """Nothing is known of curves that cross at z at the ends of ranges.
+        """Whether the curve's equations have two directions of solutions at z, to what they are known to.
 
-        z has the shape (N + k + 2,).
+        So they have where a force of no amplitude leaves an orbit's phase free. What the curve holds vanishes
+        with all its derivatives there: its units are those of where its condition was made. z has the shape
+        (N + k + 2,).
         """
-        return False
+        problem, n = self._problem, self._plane.size
+        near = problem.near
+        if near is None:
+            return False
+        jacobian, before = (problem.linearize(place).jacobian * near[1] for place in (z, near[0]))
+        rows = np.append(problem.orbit.equation_scales, np.abs(before[n:]).max(axis=1))
+        if not (np.all(np.isfinite(jacobian)) and np.all(rows > 0.0)):
+            return False
+        sizes = np.linalg.svd(jacobian / rows[:, None], compute_uv=False)
+        return bool(sizes[-1] <= MANY * known_to(problem))

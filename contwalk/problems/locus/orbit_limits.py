@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.errors import StartError
 from contwalk.problems.hybrid import limits_in_words, locating_limits
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.locus import beyond_order
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_curves import Limits
 from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
+from contwalk.problems.locus.orbit_points.touches import edges, inside
 from contwalk.problems.problem import LimitType, Located, Sample, Seed
 
 # Limits of two events that are one, at a leg that lasts no time.
 OF_TWO_EVENTS = ("duration", "start", "end", "past")
+# A touch is at an edge of its leg within this part of it.
+AT_EDGE = 1e-6
 
 ELSEWHERE = "Curves of the orbits beyond are not begun there: start at points of their own branches."
 
@@ -40,11 +45,11 @@ class LimitOnCurve:
 
     @property
     def kind(self) -> str | None:
-        """Of a grazing `resonant` where both curves are tangent: the orbit's own event loses its rate
-        there."""
+        """Of a grazing `resonant` where the orbit's own event loses its rate; one that would happen earlier
+        than it does is touched like any other."""
         if self.own.label != "GR":
             return self.own.kind
-        return "resonant" if self.own.kind == "terminal" else "interior"
+        return "interior" if self.own.test == "dip" else "resonant"
 
     @property
     def name(self) -> str:
@@ -73,21 +78,36 @@ class LimitsOnCurve:
     def __init__(self, locus: Any) -> None:
         self._locus, self._plane = locus, locus.plane
         self._orbit, self._free = self._plane.orbit, self._plane.free[0]
-        of = locus.curve.of
-        self.limits: Sequence[LimitOnCurve] = [LimitOnCurve(own, of) for own in self._orbit.limits]
+        curve = locus.curve
+        own = (*self._orbit.limits, *edges(self._orbit, curve))
+        self.limits: Sequence[LimitOnCurve] = [LimitOnCurve(limit, curve.of) for limit in own]
 
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
         z, tangent = np.array(point.unknowns), np.array(point.tangent)
         there, own = self._plane.first(z)
+        if (edge := self._edge_at(z)) is not None and self.limits[edge].type.label == point.label:
+            return edge
+        grazing = point.label not in ("OC", "AZ")
         orbit = replace(
             point,
-            label=point.label if point.label in ("OC", "AZ") else "GR",
-            kind="terminal" if point.kind == "resonant" else point.kind,
+            label="GR" if grazing else point.label,
             unknowns=tuple(own.tolist()),
             tangent=(*tangent[: self._plane.size].tolist(), float(tangent[-1])),
         )
-        return locating_limits.nearest(there, orbit)
+        if not grazing:
+            return locating_limits.nearest(there, orbit)
+        # An orbit's own event is touched earlier than it happens as any other is, and is of the other kind.
+        kinds = ("terminal",) if point.kind == "resonant" else ("interior", "terminal")
+        for kind in kinds[:-1]:
+            with suppress(StartError):
+                return locating_limits.nearest(there, replace(orbit, kind=kind))
+        return locating_limits.nearest(there, replace(orbit, kind=kinds[-1]))
+
+    def _edge_at(self, z: np.ndarray) -> int | None:
+        """The edge of its leg that a touch is at; None where it is inside. z has the shape (N + k + 2,)."""
+        off = np.abs(inside(self._orbit, self._locus.curve, z))
+        return len(self._orbit.limits) + int(np.argmin(off)) if np.any(off < AT_EDGE) else None
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """Why the orbits of a curve beyond a limit are not the machine's."""

@@ -22,6 +22,7 @@ from contwalk.problems.locus.orbit_diagnosis import OrbitLocusDiagnosis
 from contwalk.problems.locus.orbit_limits import LimitsOnCurve, told
 from contwalk.problems.locus.orbit_places import Held, OrbitPlane, evaluated
 from contwalk.problems.locus.orbit_points.catalogue import POINT_TYPES
+from contwalk.problems.locus.orbit_points.touches import inside
 from contwalk.problems.orbit import augmented, volumes
 from contwalk.problems.orbit.discretization import FINEST, SOLVED
 from contwalk.problems.orbit.evaluations import Evaluations
@@ -67,7 +68,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         self.point_types: Sequence[PointType] = POINT_TYPES[curve.of]
         self.branching_offset = orbit.branching_offset
         self.known = Evaluations()
-        self._near = near
+        self.near = near
         if near is not None:
             self.condition = self.held_near(*near, curve)
 
@@ -91,8 +92,8 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
     @property
     def weights(self) -> np.ndarray:
         """Typical magnitudes of the unknowns at the place that it was made near, shape (N + k + 2,)."""
-        assert self._near is not None
-        return self._near[1]
+        assert self.near is not None
+        return self.near[1]
 
     @property
     def diagnosis(self) -> OrbitLocusDiagnosis:
@@ -165,7 +166,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         """
         there, own = self.plane.first(z)
         found = self._with_parameters(there.beginnings(own), z)
-        if self._near is not None:
+        if self.near is not None:
             found[-2:] = np.maximum(found[-2:], self.weights[-2:])
         return found
 
@@ -225,7 +226,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
             unstable=_unstable(measures, errors, before),
             resting=critical,
             observables=np.array([*seen.observables, *self.further(z)[: len(self.curve.observables)]]),
-            margins=told(self.orbit, self.curve, seen.margins),
+            margins=np.append(told(self.orbit, self.curve, seen.margins), inside(self.orbit, self.curve, z)),
             magnitudes=linearization.magnitudes,
             sizes=np.nan_to_num(linearization.magnitudes),
             excess=linearization.excess_in(weights),

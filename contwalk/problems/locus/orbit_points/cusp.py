@@ -15,7 +15,7 @@ from contwalk.problems.problem import Located, Sample, Test
 class CuspOfCycles(OrbitLocusPoint):
     """Two branches of folds meet."""
 
-    label, test, of_place = "CPC", Test.VALUE, True
+    label, test, of_place, of_regular = "CPC", Test.VALUE, True, True
 
     def value(self, problem: Any, sample: Sample) -> float:
         """psi F_uu v v along the curve."""

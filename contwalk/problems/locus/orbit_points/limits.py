@@ -16,6 +16,7 @@ from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points import crossing, tangency
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
 from contwalk.problems.locus.orbit_points.switching import limit_born
+from contwalk.problems.locus.orbit_points.touches import edge_system
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import LimitType, Located, Sample, Seed, Test
 
@@ -46,6 +47,8 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The equations of the limit, and the condition of the curve."""
         there, own = problem.plane.first(sample.z)
+        if which >= len(there.limits):
+            return edge_system(problem, sample, problem.limited.limits[which].own, which)
         near = near_of(problem, sample, own)
         found = limit_system(there, which, near)
         if found is None:
@@ -69,7 +72,7 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
         Where an event loses its velocity on a curve of grazings both touches may be one: what has the event
         without velocity is a curve of grazings itself, and the limit alone is met all along it.
         """
-        if self.label == GRAZINGS and problem.limited.limits[which].kind == "resonant":
+        if self.label == GRAZINGS and problem.limited.limits[which].own.test == "rate":
             found = self._at_crossing(problem, sample, which)
             if found is not None:
                 return found

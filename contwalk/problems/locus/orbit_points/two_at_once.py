@@ -32,6 +32,8 @@ from contwalk.problems.problem import Located, Sample, Seed, Test
 MOST_KEPT = 8
 # The kind of points whose multiplier one is that of a branch point that persists.
 BRANCH_POINT = "branch point"
+# A test function is told from errors where it is so many times their estimate.
+DOUBT = 10.0
 
 
 class TwoAtOnce(OrbitLocusPoint):
@@ -120,7 +122,7 @@ class ResonantGrazing(TwoAtOnce):
         along whatever the multiplier is, and signs of errors tell nothing.
         """
         found = self._signed(problem, sample.z)
-        return 0.0 if abs(found) <= known_to(problem) else found
+        return 0.0 if abs(found) <= DOUBT * known_to(problem) else found
 
     def _signed(self, problem: Any, z: np.ndarray) -> float:
         found = problem.known.at("arriving", z, MOST_KEPT, lambda: as_arriving(problem, z))
