@@ -77,20 +77,23 @@ def _parent_of(problem: Problem, point: SpecialPoint, settings: Settings) -> Ope
     return parent_of(problem, point, settings)
 
 
-def all_places(studies: Sequence[Study]) -> list[tuple[RunFile, Place]]:
-    """All places that a run starts from, each with its study; their order numbers the starts."""
-    return [(own, place) for own, found, _ in studies for place in found if isinstance(place, Place)]
+def all_places(studies: Sequence[Study]) -> list[tuple[RunFile, Place | Start]]:
+    """All places that a run starts from, each with its study; their order numbers the starts.
+
+    Curves in two parameters have their starts already.
+    """
+    return [(own, place) for own, found, _ in studies for place in found]
 
 
-def start_at(own: RunFile, place: Place) -> Start:
+def start_at(own: RunFile, place: Place | Start) -> Start:
     """The start at a place of a study."""
+    if isinstance(place, Start):
+        return place
     return next(starts(own, [place], settings_of(own), discretization_of(own)))
 
 
 def all_starts(studies: Sequence[Study]) -> Iterator[Start]:
     """All starts of a run, each opened when its turn comes."""
-    for _, found, _ in studies:
-        yield from (start for start in found if isinstance(start, Start))
     for number, (own, place) in enumerate(all_places(studies)):
         yield replace(start_at(own, place), number=(number,))
 

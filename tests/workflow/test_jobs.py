@@ -327,6 +327,22 @@ def test_any_object_with_map_or_submit_walks(study, alone):
         computed(study, "none.h5", executor=object())
 
 
+def test_curves_from_points_of_another_database_are_walked_ahead(study, alone):
+    with open_database(alone) as db:
+        found = [(b.name, p.name) for b in db.branches() for p in b.special_points if p.label == "HB"]
+    (branch, point), *_ = found
+    path = study.parent / "curve.yaml"
+    path.write_text(
+        "contwalk: 1\nsystem: ./pair.py\noutput: curve.h5\n"
+        f"start: {{from: {alone}, point: {branch}/{point}}}\n"
+        "continue: {parameters: [a, c], range: {a: [-0.5, 1.5], c: [0.2, 0.6]}}\n"
+    )
+    pool = OnlyMap()
+    one = computed(path, "curve1.h5")
+    assert_identical(one, computed(path, "curve_map.h5", executor=pool))
+    assert pool.calls[0] == 2  # both directions
+
+
 CIRCLE = """
 from contwalk.system import Mode, Parameter, Start, State, System
 
