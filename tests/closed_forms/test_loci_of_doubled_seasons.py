@@ -41,6 +41,7 @@ system: ./seasons.py
 accuracy: 1e-8
 start: {simulate: {state: {prey: 0.45, predator: 0.25}, until: settled}}
 continue: {parameter: b0, range: [0.15, 0.6], direction: both, max_points: 110}
+engine: {max_share: 0.03125}
 diagram: {follow: [PD], depth: 2}
 loci: {with: eps, range: [0.01, 1.0], of: [PD], follow: all}
 figures: []

@@ -36,6 +36,7 @@ accuracy: 1e-9
 start: {state: {x: 0.0, y: 0.0}}
 parameters: {e1: -0.3, e2: 0.2}
 continue: {parameter: e1, range: [-0.4, 0.4]}
+engine: {max_share: 0.03125}
 diagram: {follow: none}
 loci: {with: e2, range: [-0.3, 0.45], of: [NS, PD], follow: all}
 figures: []

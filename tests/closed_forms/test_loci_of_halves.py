@@ -47,6 +47,7 @@ system: ./halves.py
 accuracy: 1e-10
 start: {{simulate: {{state: {{x: {x}, y: {x}, z: 0}}, until: 0}}}}
 continue: {{parameter: al, range: [0.1, 3.5]}}
+engine: {{max_share: 0.03125}}
 loci: {{with: be, range: [0.2, 1.5], of: all, follow: all}}
 diagram: none
 output: halves.h5

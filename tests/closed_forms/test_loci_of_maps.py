@@ -23,6 +23,7 @@ system: ./henon.py
 accuracy: 1e-10
 start: {{simulate: {{state: {{x: {X}, y: {X}}}, until: 0}}}}
 continue: {{parameter: alpha, range: [-1.5, 3.5]}}
+engine: {{max_share: 0.03125}}
 loci: {{with: loss, range: [-2.5, 0.8], of: all, follow: all}}
 diagram: none
 output: henon.h5

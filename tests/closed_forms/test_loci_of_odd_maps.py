@@ -16,6 +16,7 @@ start: {{simulate: {{state: {{x: {x}, y: {x}}}, until: 0}}}}
 continue: {{parameter: {free}, range: {range}}}
 loci: {{with: be, range: [-1.5, 1.5], of: all, follow: all}}
 diagram: none
+engine: {{max_share: 0.03125}}
 output: {name}.h5
 """
 

@@ -99,7 +99,10 @@ def agree(study, folder):
     return sum(point.label != "EP" for _, point in by["shooting"].values())
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.long) if name.startswith("rotor") else name for name in STUDIES],
+)
 def test_both_discretisations_agree(name, tmp_path):
     (tmp_path / "lorenz.py").write_text(LORENZ, encoding="utf-8")
     assert agree(STUDIES[name], tmp_path) >= 1

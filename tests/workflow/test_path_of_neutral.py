@@ -30,6 +30,7 @@ def test_it_is_said(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_it_stays_pinned_where_it_stays_neutral(tmp_path):
     values = load_system("walker3d").presets["no_overlap"]
     (branch,) = run_with(tmp_path, f"{{from: no_overlap, to: {{k_y: {1.01 * values['k_y']}}}}}").branches

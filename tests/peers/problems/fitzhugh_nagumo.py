@@ -55,7 +55,7 @@ PEER = Peer(
                 Value("LP", 1.4542709899, 2e-11, "AUTO-07p at two meshes", of="orbit"),
             ),
             endings=(Ending("shrunk", "the Hopf point at 1.4533", 1.453340, 1e-3),),
-            slow=True,
+            long=True,
         ),
     ),
 )

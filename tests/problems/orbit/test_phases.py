@@ -45,6 +45,7 @@ def reactor(t, x, p, dx):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_steps_are_long_where_a_jump_comes_later_and_later():
     """AUTO's demo `ab` at p2 = 18: x jumps within a ten thousandth of a period that grows from 3 on. Up to
     its homoclinic end AUTO takes 372 steps; with a section long before the jump a thousand did not do."""
