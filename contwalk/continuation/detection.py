@@ -44,6 +44,8 @@ NEAR_REAL = 1e-5
 NEARLY = 0.5
 # Two points of one kind on a segment are this far from each other, in parts of it.
 DISTINCT = 1e-3
+# A measure that is critical at both ends of a segment longer than this is so all along.
+CRITICAL_ALL_ALONG = 1e-6
 # What an eigenvalue that is critical at a point is there, against what it is beside it.
 CRITICAL = 1e-2
 
@@ -125,6 +127,9 @@ def at_the_end(segment: Segment) -> list[Found]:
     if not len(critical):
         return []
     which = int(critical[0])
+    a, longer = segment.a, segment.length > CRITICAL_ALL_ALONG
+    if longer and which < len(a.measures) and abs(a.measures[which]) <= 10.0 * a.errors[which]:
+        return []  # it is critical all along, as where a pair stays on the axis
     if segment.problem.diagnosis.many_branches(b.z):
         kind = kind_of_test(segment.problem, Test.ORIENTATION)
     else:

@@ -10,6 +10,8 @@ from contwalk.numerics import krein
 from contwalk.numerics.linear import balanced
 
 EPSILON = float(np.finfo(float).eps)
+# A sum that is no more than this part of its terms is rounding of zero.
+ROUNDED = 1e-12
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,18 @@ def complement(generators: np.ndarray) -> np.ndarray:
     """Orthonormal basis of the complement of the neutral directions, shape (..., n, n - k)."""
     q, _ = np.linalg.qr(generators, mode="complete")
     return q[..., generators.shape[-1] :]
+
+
+def keeps_volumes(matrix: np.ndarray, rate: np.ndarray, rounding: np.ndarray) -> bool:
+    """Whether two eigenvalues are lambda and -lambda all along a branch: their sum is zero, and stays so.
+
+    The matrix A, its derivative along the branch and what rounding does to its entries have the shape (2, 2);
+    of more eigenvalues it is not asked here.
+    """
+    if len(matrix) != 2:
+        return False
+    trace, allowed = matrix.trace(), ROUNDED * np.abs(matrix.diagonal()).sum() + rounding.trace()
+    return bool(abs(trace) <= 2.0 * allowed and abs(rate.trace()) <= ROUNDED * np.abs(rate).sum())
 
 
 def spectrum(

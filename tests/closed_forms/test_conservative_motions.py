@@ -30,6 +30,19 @@ def field(t, x, p, dx):
 SYSTEM = System("cusp", states=(State("x"), State("v")), modes=(Mode("m", field),),
     parameters=(Parameter("a", 0.0), Parameter("b", 1.0)))
 """
+# H = v^2 / 2 + a q v + q^3 / 3 - m q: with v = -a q folds are where q = a^2 / 2, m = -a^4 / 4.
+MIXED = """\
+def field(t, x, p, dx):
+    dx[0], dx[1] = x[1] + p.a * x[0], -p.a * x[1] - x[0] ** 2 + p.m
+SYSTEM = System("mixed", states=(State("q"), State("v")), modes=(Mode("m", field),),
+    parameters=(Parameter("a", 0.37), Parameter("m", 1.0)))
+"""
+PREY = """\
+def field(t, x, p, dx):
+    dx[0], dx[1] = x[0] * (p.alpha - 1.3 * x[1]), x[1] * (0.9 * x[0] - 1.1)
+SYSTEM = System("prey", states=(State("x"), State("y")), modes=(Mode("m", field),),
+    parameters=(Parameter("alpha", 0.7),))
+"""
 FORCED = """\
 def field(t, x, p, dx):
     dx[0], dx[1] = x[1], -x[0] - x[0] ** 3 - p.c * x[1] + p.F * math.cos(p.W * t)
@@ -85,6 +98,28 @@ def test_the_curve_of_such_folds_goes_on_to_the_ends_of_the_range(fold: list[Bra
     assert curve.outcome.reason == "bound"
     assert kinds(curve) == ["EP", "CP", "EP"]
     np.testing.assert_allclose(27.0 * curve["a"] ** 2, 4.0 * curve["b"] ** 3, atol=1e-13)
+
+
+def test_a_second_eigenvalue_that_is_zero_all_along_is_no_double_zero(tmp_path: Path) -> None:
+    """Its sign is rounding: there were thirteen Bogdanov-Takens points, and curves that began at them."""
+    text = """\
+start: {state: {q: 1.0, v: -0.37}}
+continue: {parameter: m, range: [-1, 2]}
+loci: {with: a, range: [-2, 2], of: all, follow: all}
+"""
+    _, *curves = study(tmp_path, MIXED, text)
+    assert [kinds(curve) for curve in curves] == [["EP", "EP"]]
+    np.testing.assert_allclose(4.0 * curves[0]["m"], -(curves[0]["a"] ** 4), atol=1e-12)
+
+
+def test_the_end_of_a_range_of_centres_is_no_hopf_point(tmp_path: Path) -> None:
+    """Both eigenvalues of Lotka and Volterra's equilibrium are on the axis for all growths of the prey."""
+    text = """\
+start: {state: {x: 1.2222222222222222, y: 0.5384615384615384}}
+continue: {parameter: alpha, range: [0.1, 2.0]}
+"""
+    (branch,) = study(tmp_path, PREY, text)
+    assert kinds(branch) == ["EP", "EP"]
 
 
 def test_moduli_of_a_pair_on_the_unit_circle_tell_no_tori(tmp_path: Path) -> None:

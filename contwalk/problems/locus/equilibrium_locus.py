@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.numerics.linear import balanced, unit_in
-from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
+from contwalk.numerics.spectrum import EPSILON, Spectrum, keeps_volumes, spectrum
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.capabilities import OwnMeasures, OwnPlace
@@ -207,8 +207,11 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         found = spectrum(jacobian[:n, :n], rate, rounding, jacobian[:n, declared], zeros)
         critical = self.critical_values(z)
         kept = _beside(found.values, critical)
-        bordering = None if found.bordering is None else found.bordering[kept]
-        rest = Spectrum(found.values[kept], found.errors[kept], found.rates[kept], bordering=bordering)
+        bordering, errors = None if found.bordering is None else found.bordering[kept], found.errors[kept]
+        if len(kept) == len(critical) == 1 and keeps_volumes(jacobian[:n, :n], rate, rounding):
+            # lambda and -lambda meet all along: the other one is no further one that passes zero
+            bordering, errors = np.ones(1, dtype=bool), np.minimum(errors, 0.01 * np.abs(found.values[kept]))
+        rest = Spectrum(found.values[kept], errors, found.rates[kept], bordering=bordering)
         return rest, critical
 
     def critical_values(self, z: np.ndarray) -> np.ndarray:

@@ -23,7 +23,8 @@ from contwalk.problems.locus.orbit_limits import LimitsOnCurve, told
 from contwalk.problems.locus.orbit_places import Held, OrbitPlane, evaluated
 from contwalk.problems.locus.orbit_points.catalogue import POINT_TYPES
 from contwalk.problems.locus.orbit_points.touches import inside
-from contwalk.problems.orbit import augmented, volumes
+from contwalk.problems.locus.partners import partners
+from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.discretization import FINEST, SOLVED
 from contwalk.problems.orbit.evaluations import Evaluations
 from contwalk.problems.orbit.extents import sizes_since
@@ -207,9 +208,10 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
             None if known is None else replace(known, observables=known.observables[: self.own_observables])
         )
         seen = there.examine(own.z, own.tangent, own.weights, there.linearize(own.z), None, given)
-        critical = _held(self, z, there, own)
-        kept = _beside(seen.eigenvalues, critical)
-        measures, errors = seen.measures[kept], seen.errors[kept]
+        critical = self.curve.critical(self.further(z))
+        kept, staying = _beside(seen.eigenvalues, critical, partners(there, own.z, critical))
+        measures = np.where(staying, -1.0, seen.measures[kept])
+        errors = np.where(staying, 0.0, seen.errors[kept])
         orientation, error = linearization.orientation_and_error(unit, weights, self.errors_at(z))
         rates, factor = seen.rates, own.factor
         return replace(
@@ -338,27 +340,17 @@ class _OnTangent:
         self.factor = float(np.linalg.norm(tangent / weights))
 
 
-def _held(locus: OrbitLocus, z: np.ndarray, there: Any, own: _OnTangent) -> np.ndarray:
-    """The multipliers that a curve holds at z, shape (c,).
-
-    Of a motion that conserves something their partners as well: mu and 1/mu, or two pairs of opposite Krein
-    signature, meet there.
+def _beside(values: np.ndarray, critical: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the multipliers that are left when the critical ones are taken out, in their order, those
+    last that are held as their partners; and which these are.
     """
-    critical = locus.curve.critical(locus.further(z))
-    if not (len(critical) and (locus.system.conserved or volumes.kept(there, own.z))):
-        return critical
-    found = there.multipliers(own.z, there.linearize(own.z).jacobian)
-    nearest = int(np.argmin(np.abs(found.values - critical[0])))
-    paired = found.bordering is not None or (found.paired is not None and bool(found.paired[nearest]))
-    return np.repeat(critical, 2) if paired else critical
-
-
-def _beside(values: np.ndarray, critical: np.ndarray) -> np.ndarray:
-    """Numbers of the multipliers that are left when the critical ones are taken out, in their order."""
-    kept = list(range(len(values)))
+    kept, last = list(range(len(values))), []
     for value in critical:
         kept.remove(min(kept, key=lambda k: abs(values[k] - value)))
-    return np.array(kept, dtype=int)
+    for value in held:
+        last.append(min(kept, key=lambda k: abs(values[k] - value)))
+        kept.remove(last[-1])
+    return np.array(kept + last, dtype=int), np.arange(len(kept) + len(last)) >= len(kept)
 
 
 def _unstable(measures: np.ndarray, errors: np.ndarray, before: int | None) -> int:

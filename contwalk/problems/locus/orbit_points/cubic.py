@@ -14,6 +14,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import UNSURE
 from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, known_to, where_zero
+from contwalk.problems.locus.partners import partners
 from contwalk.problems.orbit import normal_forms
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -41,7 +42,8 @@ class VanishingCubic(OrbitLocusPoint):
         resonances its terms are large, and their errors with them, while it may stay what it is. Where the
         curve holds both of a pair mu, 1/mu there is none on one direction alone.
         """
-        if len(sample.resting) > max(problem.curve.further + 1, 1):
+        there, own = problem.plane.first(sample.z)
+        if len(partners(there, own, problem.curve.critical(problem.further(sample.z)))):
             return UNKNOWN[0]
         found, terms = self._with_terms(problem, sample.z)
         hidden = abs(found) <= max(VANISHES, known_to(problem)) * terms

@@ -8,12 +8,14 @@ where mu = c^2 / 4e, and change there, where c = 0, between super- and subcritic
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
+from contwalk.numerics.bracketing import UNSURE
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import Borders, zero_borders, zero_condition
@@ -47,10 +49,15 @@ def cubic(place: Place, borders: Borders) -> Any:
     """p.(C(q, q, q) + 3 B(q, h)) with F_u h = -B(q, q), which is solvable where p.B(q, q) = 0."""
     found = zero_condition(place, borders)
     q, p = found.right[0], found.left[0]
+    h = _solved(place, borders, -place.second(q, q))
+    return p @ (place.third(q, q, q) + 3 * place.second(q, h))
+
+
+def _solved(place: Place, borders: Borders, right: np.ndarray) -> np.ndarray:
+    """F_u h = right as far as it is solvable, h at a right angle to the border; both of shape (N,)."""
     edge = np.zeros((1, 1))
     bordered = np.block([[place.matrix, borders.column[:, None]], [borders.row[None, :], edge]])
-    h = place.solver(bordered)(np.append(-place.second(q, q), 0.0))[: len(q)]
-    return p @ (place.third(q, q, q) + 3 * place.second(q, h))
+    return np.asarray(place.solver(bordered)(np.append(right, 0.0))[: len(right)])
 
 
 def are_pitchforks(plane: Plane, z: np.ndarray, along: np.ndarray) -> bool:
@@ -112,9 +119,16 @@ class DegenerateBranchPoint(LocusPoint):
     label, test, of_place = "CP", Test.VALUE, True
 
     def value(self, problem: Any, sample: Sample) -> float:
-        """The coefficient that tells the kind, by borders that are the same on the whole step."""
+        """The coefficient that tells the kind, by borders that are the same on the whole step.
+
+        Where it is zero all along, as on a curve from which vertical branches leave, its sign is rounding.
+        """
         coefficient, borders = _watched(problem, sample)
-        return float(coefficient(FloatPlace(problem.plane, problem.in_plane(sample.z)), borders))
+        place = FloatPlace(problem.plane, problem.in_plane(sample.z))
+        found = float(coefficient(place, borders))
+        units = problem.in_plane(sample.weights)[: problem.plane.size]
+        hidden = abs(found) <= ZERO * _natural(place, borders, coefficient, units)
+        return math.copysign(UNSURE, found) if hidden else found
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The point near a sample."""
@@ -124,6 +138,19 @@ class DegenerateBranchPoint(LocusPoint):
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The next coefficient."""
         return form_of(problem, located)
+
+
+def _natural(place: FloatPlace, borders: Borders, coefficient: Coefficient, units: np.ndarray) -> float:
+    """How large a coefficient would be if q had as much of all states; `units` are theirs, shape (N,)."""
+    found = zero_condition(place, borders)
+    q, p = found.right[0], np.abs(found.left[0])
+    slopes = np.abs(place.slopes(q))[:, : len(q)]
+    bent = slopes @ (units * float(np.linalg.norm(q / units)))
+    if coefficient is quadratic:
+        return float(p @ bent)
+    h = _solved(place, borders, bent)
+    further = slopes @ (units * float(np.linalg.norm(h / units)))
+    return float(p @ (np.abs(place.third(q, q, q)) + 3.0 * further))
 
 
 def _watched(problem: Any, sample: Sample) -> tuple[Coefficient, Borders]:
