@@ -9,6 +9,9 @@ from contwalk.problems.hybrid.margin_values import ZERO
 from contwalk.problems.hybrid.margins import TOUCH_ENDS, TOUCH_STARTS, Limit
 from contwalk.problems.problem import Located
 
+# A touch this soon after the event before, in parts of the closure, is at its instant: less is rounding.
+AT_ONCE = 1e-12
+
 
 def place_of(problem: LimitedOrbit, limit: Limit, located: Located) -> str:
     """Where in the cycle a limit is met."""
@@ -40,6 +43,8 @@ def place_of(problem: LimitedOrbit, limit: Limit, located: Located) -> str:
         return f"'{limit.name}' is touched at the instant of '{other}': beyond it not in mode {leg.mode}"
     if limit.test == "leaving":
         return f"'{limit.name}' is not left again: right after it, in mode {leg.mode}, its guard has no rate"
+    if abs(float(located.vectors["seconds"])) <= AT_ONCE * problem.duration(located.z):
+        return f"'{limit.name}' is touched at the instant of {before}, in mode {leg.mode}"
     return f"'{limit.name}' is touched {after} after {before}, in mode {leg.mode}"
 
 
