@@ -154,7 +154,7 @@ def _taken(
     if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
         raise TooLong("The step ends at a limit, to within its errors.")
     if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
-        found += [f for f in at_the_end(segment) if f.type.told]
+        found += [f for f in at_the_end(segment) if f.type.tells_of(f.located)]
     return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
 
 

@@ -7,10 +7,9 @@ from typing import Any
 
 from contwalk.branch import Outcome
 from contwalk.problems.equilibrium.points.point import Form
-from contwalk.problems.locus.bordered import Critical
 from contwalk.problems.locus.normal_forms import cusp_coefficient
-from contwalk.problems.locus.plane import FloatPlace, Place
-from contwalk.problems.locus.points.degenerate_crossing import form_of, is_pitchfork, touched
+from contwalk.problems.locus.plane import FloatPlace
+from contwalk.problems.locus.points.degenerate_crossing import form_of, is_pitchfork, quadratic, touched
 from contwalk.problems.locus.points.persisting import better, persists
 from contwalk.problems.locus.points.point import LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Test
@@ -54,8 +53,3 @@ class Cusp(LocusPoint):
         if persists(located):
             return form_of(problem, located)
         return None, None, cusp_coefficient(problem.plane, problem.in_plane(located.z)), None
-
-
-def quadratic(place: Place, found: Critical, kappa: Any) -> Any:
-    """p.B(q, q)."""
-    return found.left[0] @ place.second(found.right[0], found.right[0])

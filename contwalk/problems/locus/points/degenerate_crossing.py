@@ -18,7 +18,7 @@ import numpy as np
 from contwalk.numerics.bracketing import UNSURE
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.equilibrium.points.point import Form
-from contwalk.problems.locus.bordered import Borders, zero_borders, zero_condition
+from contwalk.problems.locus.bordered import Borders, Critical, zero_borders, zero_condition
 from contwalk.problems.locus.conditions import Augmented
 from contwalk.problems.locus.normal_forms import cusp_coefficient, pitchfork_coefficients
 from contwalk.problems.locus.plane import FloatPlace, Place, Plane
@@ -36,18 +36,17 @@ PITCHFORK = "pitchforks change between super- and subcritical here, and a curve 
 # Under which key a problem keeps which coefficient is watched.
 KEPT = "coefficient of branch points"
 
-Coefficient = Callable[[Place, Borders], Any]
+# Of a place, its critical vectors, and the borders that tell these.
+Coefficient = Callable[[Place, Critical, Borders], Any]
 
 
-def quadratic(place: Place, borders: Borders) -> Any:
+def quadratic(place: Place, found: Critical, borders: Any) -> Any:
     """p.B(q, q)."""
-    found = zero_condition(place, borders)
     return found.left[0] @ place.second(found.right[0], found.right[0])
 
 
-def cubic(place: Place, borders: Borders) -> Any:
+def cubic(place: Place, found: Critical, borders: Borders) -> Any:
     """p.(C(q, q, q) + 3 B(q, h)) with F_u h = -B(q, q), which is solvable where p.B(q, q) = 0."""
-    found = zero_condition(place, borders)
     q, p = found.right[0], found.left[0]
     h = _solved(place, borders, -place.second(q, q))
     return p @ (place.third(q, q, q) + 3 * place.second(q, h))
@@ -100,7 +99,7 @@ def _located(
     borders = zero_borders(plane.jacobian(problem.in_plane(sample.z))[:, : plane.size])
 
     def function(place: Place, told: Any, own: Any) -> Any:
-        return coefficient(place, borders)
+        return coefficient(place, zero_condition(place, borders), borders)
 
     return located_by(problem, augmented, sample, own, function)
 
@@ -125,9 +124,10 @@ class DegenerateBranchPoint(LocusPoint):
         """
         coefficient, borders = _watched(problem, sample)
         place = FloatPlace(problem.plane, problem.in_plane(sample.z))
-        found = float(coefficient(place, borders))
+        critical = zero_condition(place, borders)
+        found = float(coefficient(place, critical, borders))
         units = problem.in_plane(sample.weights)[: problem.plane.size]
-        hidden = abs(found) <= ZERO * _natural(place, borders, coefficient, units)
+        hidden = abs(found) <= ZERO * _natural(place, critical, borders, coefficient, units)
         return math.copysign(UNSURE, found) if hidden else found
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
@@ -140,9 +140,10 @@ class DegenerateBranchPoint(LocusPoint):
         return form_of(problem, located)
 
 
-def _natural(place: FloatPlace, borders: Borders, coefficient: Coefficient, units: np.ndarray) -> float:
+def _natural(
+    place: FloatPlace, found: Critical, borders: Borders, coefficient: Coefficient, units: np.ndarray
+) -> float:
     """How large a coefficient would be if q had as much of all states; `units` are theirs, shape (N,)."""
-    found = zero_condition(place, borders)
     q, p = found.right[0], np.abs(found.left[0])
     slopes = np.abs(place.slopes(q))[:, : len(q)]
     bent = slopes @ (units * float(np.linalg.norm(q / units)))
