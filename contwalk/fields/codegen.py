@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contwalk.fields.derivative import ancestors, arguments_of
+from contwalk.fields.graph import ROUNDING
 from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree, roots
+from contwalk.numerics import noise
 
 _INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 # Conditions are True, False, or None where a number in them is NaN. `and` is decided by a side that does not
@@ -56,7 +58,7 @@ def _emit(graph: _Graph, tree: Tree, lines: list[str], indent: str, names: dict[
     elif isinstance(tree, Outputs):
         for node in tree.nodes:
             _define(graph, node, lines, indent, names)
-        results = ", ".join(_name(graph, node, names) for node in tree.nodes)
+        results = ", ".join(_result(graph, node, names) for node in tree.nodes)
         lines.append(f"{indent}return [{results}]")
     elif isinstance(tree, Fork):
         _define(graph, tree.condition, lines, indent, names)
@@ -67,6 +69,12 @@ def _emit(graph: _Graph, tree: Tree, lines: list[str], indent: str, names: dict[
         _emit(graph, tree.then, lines, indent + "    ", dict(names))
         lines.append(f"{indent}else:")
         _emit(graph, tree.otherwise, lines, indent + "    ", dict(names))
+
+
+def _result(graph: _Graph, node: int, names: dict[int, str]) -> str:
+    """An output, with noise in its last bits where there is to be some; see `numerics.noise`."""
+    noisy = noise.SEED is not None and graph.value(node) is None and graph.nodes[node][0] in ROUNDING
+    return f"noisy_({names[node]})" if noisy else _name(graph, node, names)
 
 
 def _name(graph: _Graph, node: int, names: dict[int, str]) -> str:

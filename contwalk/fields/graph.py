@@ -23,6 +23,24 @@ CONDITIONS = (*RELATIONS, "and", "or", "not")
 # Nodes that are several numbers: a matrix as it is eliminated; a solution.
 FACTORS = ("factor", "factor_symmetric")
 BUNDLES = (*FACTORS, "solved")
+# Operations of which results are rounded, but for those that count or look something up.
+_ROOTS = ("sqrt", "cbrt", "hypot", "pow", "exp", "expm1", "log", "log1p", "log2", "log10")
+_CIRCULAR = (
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "sinh",
+    "cosh",
+    "tanh",
+    "asinh",
+    "acosh",
+    "atanh",
+)
+ROUNDING = frozenset(("add", "sub", "mul", "div", *_ROOTS, *_CIRCULAR, "erf", "erfc", "gamma", "lgamma"))
 
 _ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
     "add": operator.add,

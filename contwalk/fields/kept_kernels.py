@@ -11,6 +11,7 @@ from contwalk import object_cache
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.trace import Program
 from contwalk.module_texts import text_behind
+from contwalk.numerics import noise
 
 
 class KeptKernels:
@@ -59,4 +60,4 @@ def _read(values: list[Any] | None) -> Kernel | None:
 @cache
 def _generator(module: str) -> str:
     """Hash of the text of all modules that kernels are derived by."""
-    return object_cache.key(*text_behind(module))
+    return object_cache.key(str(noise.SEED), *text_behind(module))

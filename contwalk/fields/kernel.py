@@ -21,6 +21,7 @@ from contwalk.fields.codegen import source
 from contwalk.fields.exact_functions import maximum, minimum
 from contwalk.fields.functions import FUNCTIONS
 from contwalk.fields.trace import Outputs, Program, Raises
+from contwalk.numerics import noise
 
 
 class PluginRaised(Exception):
@@ -45,7 +46,7 @@ def _with_total(names: dict[str, Callable[..., Any]]) -> dict[str, Any]:
     """Names of the functions, each with its total twin, as `codegen` writes them."""
     own = {f"{name}_": function for name, function in names.items()}
     total = {f"total_{name}_": _total(function) for name, function in names.items()}
-    return {**own, **total, "total_div_": _total(operator.truediv), "NAN_": math.nan}
+    return {**own, **total, "total_div_": _total(operator.truediv), "NAN_": math.nan, "noisy_": noise.noisy}
 
 
 @cache

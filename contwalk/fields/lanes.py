@@ -12,8 +12,8 @@ import re
 LANES = 8
 
 _DOUBLES, _BITS = f"<{LANES} x double>", f"<{LANES} x i1>"
-# What other texts hold than straight lines of operations on doubles: branches, arrays and tables.
-_OTHER = ("\n  br ", " = alloca ", "fptosi", "@table_", "call void")
+# What other texts hold than straight lines of operations on doubles: branches, arrays, tables and noise.
+_OTHER = ("\n  br ", " = alloca ", "fptosi", "@table_", "call void", "@contwalk_noise")
 _ADDRESS = re.compile(r"  (%\w+) = getelementptr double, ptr (%\w+), i64 (\d+)")
 _LOAD = re.compile(r"  (%\w+) = load double, ptr (%\w+)")
 _STORE = re.compile(r"  store double (\S+), ptr (%\w+)")

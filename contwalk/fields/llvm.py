@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
+import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
@@ -27,11 +28,13 @@ MOST_PAIRED = 5000
 
 @cache
 def _processor() -> tuple[str, str, str]:
-    """Triple, name and features of the machine that this runs on."""
+    """Triple, name and features of the machine that this runs on, or of the one that numba is held to."""
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    features = binding.get_host_cpu_features().flatten()
-    return binding.get_process_triple(), binding.get_host_cpu_name(), features
+    held = os.environ.get("NUMBA_CPU_NAME")
+    features = "" if held else binding.get_host_cpu_features().flatten()
+    name = held or binding.get_host_cpu_name()
+    return binding.get_process_triple(), name, os.environ.get("NUMBA_CPU_FEATURES", features)
 
 
 def _target() -> binding.TargetMachine:

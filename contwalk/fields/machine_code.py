@@ -18,10 +18,11 @@ from dataclasses import dataclass, field
 
 from contwalk.fields import elimination_code
 from contwalk.fields.elimination_code import factor_width
-from contwalk.fields.graph import BUNDLES, CONDITIONS, FACTORS, RELATIONS, Graph
+from contwalk.fields.graph import BUNDLES, CONDITIONS, FACTORS, RELATIONS, ROUNDING, Graph
 from contwalk.fields.hoisting import width_of
 from contwalk.fields.special_functions import POLYGAMMA
 from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree, roots
+from contwalk.numerics import noise
 
 Input = tuple[str, int]
 
@@ -54,6 +55,8 @@ _FORGIVING = frozenset(("pow",))
 _PLAIN = frozenset({"add", "sub", "mul", "div", "neg"})
 # Among declarations: a function that the module is to define.
 _SYSTEM = "system "
+# What noise in the last bits is called, if there is any; see `numerics.noise`.
+_NOISE = "contwalk_noise"
 
 
 @dataclass
@@ -181,6 +184,9 @@ def module(functions: Iterable[tuple[str, set[str]]]) -> str:
         declared |= needed
     systems = {name.removeprefix(_SYSTEM) for name in declared if name.startswith(_SYSTEM)}
     declared = {name for name in declared if not name.startswith(_SYSTEM)}
+    if (noise_declared := f"declare double @{_NOISE}(double) #0") in declared:
+        declared.remove(noise_declared)
+        texts.append(noise.rounding_code(_NOISE))
     if systems:
         declared.add("declare double @llvm.fabs.f64(double) #0")
         texts += elimination_code.texts(systems)
@@ -200,6 +206,8 @@ def _results(body: _Body, nodes: Sequence[int], names: _Names) -> list[str]:
     for node in nodes:
         if body.graph.is_bundle(node):
             found += [body.load(names[node], i) for i in range(width_of(body.graph, node))]
+        elif noise.SEED is not None and body.graph.nodes[node][0] in ROUNDING:
+            found.append(body.call(_NOISE, names[node]))
         else:
             found.append(_operand(body, node, names))
     return found

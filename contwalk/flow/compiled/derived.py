@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from contwalk import object_cache
 from contwalk.module_texts import text_behind
+from contwalk.numerics import noise
 
 
 class Derived(NamedTuple):
@@ -73,4 +74,4 @@ def _is_sound(found: Derived) -> bool:
 @cache
 def _generator() -> str:
     """Hash of the text of all modules that texts are made by."""
-    return object_cache.key(*text_behind("contwalk.flow.compiled.field"))
+    return object_cache.key(str(noise.SEED), *text_behind("contwalk.flow.compiled.field"))

@@ -23,6 +23,7 @@ from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import trace
 from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, arguments
 from contwalk.module_texts import text_behind
+from contwalk.numerics import noise
 from contwalk.system import System
 
 Watched = Callable[[Any, Any, Any], Any]
@@ -175,4 +176,4 @@ def _uncertainty(graph: Graph, node: int, states: Sequence[int]) -> int:
 @cache
 def _generator() -> str:
     """Hash of the text of all modules that texts are made by."""
-    return object_cache.key(*text_behind("contwalk.flow.events.guard_code"))
+    return object_cache.key(str(noise.SEED), *text_behind("contwalk.flow.events.guard_code"))

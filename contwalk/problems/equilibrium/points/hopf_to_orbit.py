@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.numerics.linear import EPSILON
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
 from contwalk.problems.equilibrium.points.symmetric_vectors import keeps, linear_image, symmetric_vectors
@@ -20,6 +21,11 @@ from contwalk.problems.orbit.section import section_at
 from contwalk.problems.orbit.transport import segments_for, segments_of_growth
 from contwalk.problems.problem import Seed
 from contwalk.system.declarations import ParameterValues
+
+# Parts of its multiples beyond whole numbers have no pattern.
+GOLDEN = 0.5 * (1.0 + 5.0**0.5)
+# Units are smaller by this part: rounding is this part of it again, thrice.
+UNLIKE = EPSILON**0.25
 
 
 def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
@@ -37,7 +43,10 @@ def _along(equilibrium: EquilibriumEquations, point: SpecialPoint, vector: np.nd
     omega = float(point.coefficients["omega"])
     sizes = CycleSizes(equilibrium, point, vector)
     magnitudes = sizes(abs(float(z[-1])) or 1.0)
-    q = _turned(sizes.right, magnitudes)
+    # In like units a circle, as two equal masses make, is at a right angle in any phase.
+    weights = _without_pattern(equilibrium.system.state_names)
+    units = magnitudes * (1.0 - UNLIKE * weights)
+    q = _turned(sizes.right, units, weights)
     known = equilibrium.values_of(z)
     own = {name: known[name] for name in equilibrium.system.conserved_names}
     # Orbits hold what is conserved by a term of their own, without a drift.
@@ -57,7 +66,7 @@ def _along(equilibrium: EquilibriumEquations, point: SpecialPoint, vector: np.nd
         orbit = orbit.closing(np.zeros(n), *closing)
         period /= closing[2]
     scalars = np.concatenate([[period], np.zeros(len(pins)), z[-1:]])
-    section = section_at(x, (1j * omega * q).real, magnitudes)
+    section = section_at(x, (1j * omega * q).real, units)
 
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
         start = orbit.layout.joined(np.tile(x, m), scalars, np.arange(m) / m)
@@ -100,11 +109,19 @@ def _along_pins(problem: PeriodicOrbit, start: np.ndarray, tangent: np.ndarray) 
     return part
 
 
-def _turned(q: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
-    """The phase of q at which its real and imaginary parts are at a right angle, the longer one first."""
-    scaled = q / magnitudes
-    product = complex(scaled @ scaled)
-    return q * np.exp(-0.5j * np.angle(product)) if abs(product) > 0.0 else q
+def _turned(q: np.ndarray, units: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """q, shape (n,), in the phase in which its real and imaginary parts are at a right angle in these units.
+
+    The longer one is first. Of the two opposite phases it is that of the larger weighted mean.
+    """
+    scaled = q / units
+    turn = np.exp(-0.5j * np.angle(complex(scaled @ scaled)))
+    return q * (turn if (complex(weights @ scaled) * turn).real > 0.0 else -turn)
+
+
+def _without_pattern(names: Sequence[str]) -> np.ndarray:
+    """Numbers between 0 and 1, shape (n,), one for each state, whatever the order that they stand in."""
+    return (np.argsort(np.argsort(names)) + 1.0) * GOLDEN % 1.0
 
 
 def _symmetry_of_cycle(
