@@ -19,15 +19,18 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from drawing import given_seed, leave_to_long
 from order import longest_first, table
 
 from contwalk.errors import DatabaseError
 from contwalk.storage import document, interface_schema, open_database
 
 
-@pytest.hookimpl(trylast=True)
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Where several processes share the tests, the longest files come first."""
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> Iterator[None]:
+    """Draws come before marks are looked at; where processes share tests, the longest files come first."""
+    leave_to_long(items, given_seed())
+    yield
     if hasattr(config, "workerinput"):
         files = [item.nodeid.split("::")[0] for item in items]
         slow = [item.get_closest_marker("slow") is not None for item in items]
@@ -68,7 +71,7 @@ OBEYED: set[bytes] = set()
 
 @cache
 def _obedience() -> jsonschema.Draft202012Validator:
-    """What looks at documents: the schema itself is looked at once, which takes longer than most documents."""
+    """What looks at documents; the schema itself is looked at once, which takes longer than most of them."""
     schema = interface_schema()
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema)
