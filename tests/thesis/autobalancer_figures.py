@@ -7,12 +7,11 @@ import math
 from decimal import Decimal
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
+from shared_studies import shared_branches
+
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.workflow.run_file.reading import read_run_file
-from contwalk.workflow.runner import run
 
 HERE = Path(__file__).parent
 RUNS = HERE.parents[1] / "runs"
@@ -27,10 +26,8 @@ LOCATED = 1e-9
 
 @cache
 def figure_run(name: str, *overrides: str) -> tuple[Branch, ...]:
-    """The branches of a run file, computed once, without its figures."""
-    with TemporaryDirectory() as folder:
-        run_file = read_run_file(RUNS / f"{name}.yaml", overrides, str(Path(folder) / f"{name}.h5"))
-        return tuple(run(run_file, figures=False).branches)
+    """The branches of a run file, computed once for all files of tests, without its figures."""
+    return shared_branches(RUNS / f"{name}.yaml", overrides)
 
 
 def last_digit(number: Decimal) -> float:

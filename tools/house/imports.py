@@ -45,7 +45,7 @@ class House:
         }
         docs = {name: _first_line(tree, path) for name, (path, tree) in trees.items()}
         packages = frozenset(name for name, (path, _) in trees.items() if path.name == "__init__.py")
-        imports = {name: frozenset(_imported(tree, trees)) - {name} for name, (_, tree) in trees.items()}
+        imports = {name: frozenset(imported(tree, trees)) - {name} for name, (_, tree) in trees.items()}
         return cls(docs, packages, imports, _layers(root))
 
     def folder(self, name: str) -> str:
@@ -82,7 +82,7 @@ def _first_line(tree: ast.Module, path: Path) -> str:
     return text.splitlines()[0]
 
 
-def _imported(tree: ast.Module, known: Collection[str]) -> Iterator[str]:
+def imported(tree: ast.Module, known: Collection[str]) -> Iterator[str]:
     """The modules of the package that are imported anywhere in a file."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

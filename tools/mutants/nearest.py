@@ -71,11 +71,9 @@ class Nearest:
 
     def _chosen(self, tests: set[str], file: str) -> list[str]:
         """Those whose file mirrors the mutant's first, the quick ones before the long."""
-        parts = set(Path(file).with_suffix("").parts[1:])
 
         def rank(test: str) -> tuple[int, float]:
-            path = test.partition("::")[0].replace("test_", "").removesuffix(".py")
-            return -len(parts & set(path.split("/")[1:])), self._seconds[test]
+            return -common_parts(file, test.partition("::")[0]), self._seconds[test]
 
         chosen: list[str] = []
         spent, of_file = 0.0, Counter[str]()
@@ -91,6 +89,12 @@ class Nearest:
     def seconds(self, tests: list[str]) -> float:
         """What these tests took when they were measured."""
         return sum(self._seconds[test] for test in tests)
+
+
+def common_parts(file: str, test: str) -> int:
+    """How many folders, and whether the name, of a file of tests are those of a file of the package."""
+    path = test.replace("test_", "").removesuffix(".py")
+    return len(set(Path(file).with_suffix("").parts[1:]) & set(path.split("/")[1:]))
 
 
 def _timed(times: Path) -> dict[str, float]:
