@@ -134,6 +134,7 @@ def test_reader_that_leaves(contwalk, database, folder):
     assert process.returncode in (0, 1)
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(
     "arguments",
     [

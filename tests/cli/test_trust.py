@@ -26,6 +26,7 @@ def database(contwalk, folder, monkeypatch):
     return "fork.h5"
 
 
+@pytest.mark.drawn(4)
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [

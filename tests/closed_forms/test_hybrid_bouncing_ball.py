@@ -66,6 +66,7 @@ def study(e: float, k: int) -> tuple[Branch, ...]:
 
 @pytest.mark.parametrize(("e", "k"), CASES)
 class TestStudy:
+    @pytest.mark.drawn(3)
     def test_fold(self, e, k):
         branch = study(e, k)[0]
         (point,) = [p for p in branch.special_points if p.label == "LP"]

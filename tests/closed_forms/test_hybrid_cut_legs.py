@@ -110,6 +110,7 @@ class TestAlongTheBranch:
         assert min(counts[np.exp(branch["period"]) > GROWN]) > min(counts)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("touched", [2.0, 15.0, 28.0])
 def test_orbits_beyond_a_grazing_have_segments_too(touched):
     """Deviations grow by e^30 there, so that a simulation tells of a part of the orbit at most."""

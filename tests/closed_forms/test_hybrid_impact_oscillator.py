@@ -61,6 +61,7 @@ def only(branch: Branch, label: str) -> SpecialPoint:
 
 
 class TestWithoutImpacts:
+    @pytest.mark.drawn
     @pytest.mark.parametrize("zeta", [0.01, 0.1, 0.5, 1.5])
     @pytest.mark.parametrize("omega", [0.1, 0.6, 1.0, 1.7, 4.0, 12.0])
     def test_stop_is_grazed_where_the_amplitude_is_the_gap(self, omega, zeta):
@@ -88,6 +89,7 @@ class TestWithoutImpacts:
         assert branch["force"].max() == point.parameters["force"]
         assert branch["q_max"] == pytest.approx(branch["force"] / stiffness(p), rel=WALKED)
 
+    @pytest.mark.drawn(2)
     @pytest.mark.parametrize(("zeta", "force"), [(0.1, 0.5), (0.05, 0.3), (0.2, 0.9)])
     def test_stop_is_grazed_on_both_sides_of_the_resonance(self, zeta, force):
         """Over the frequency: a quadratic equation for omega^2."""
@@ -144,6 +146,7 @@ def test_policies_at_an_interior_grazing(policy):
 
 @pytest.mark.parametrize("case", IMPACTING)
 class TestOneImpact:
+    @pytest.mark.drawn(3)
     def test_branch_leaves_the_grazing(self, case):
         free, impacting = study(*case)
         assert free.outcome.reason == "grazing"

@@ -137,6 +137,7 @@ def test_the_only_impact_of_a_half_ceases_where_the_linear_motion_touches_both_s
     assert (quiet.info.signature, quiet.info.closure, quiet.info.subharmonic) == ((), "full", 1)
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("value", [0.1, -0.3])
 def test_a_place_in_the_half_that_is_an_image_is_told_as_its_image(name: str, value: float) -> None:

@@ -113,6 +113,7 @@ def nearest(branch: Branch, label: str, first: float, second: float) -> SpecialP
     return min(points, key=lambda p: abs(p.parameters[one] - first) + abs(p.parameters[two] - second))
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize(("name", "start"), KNOWN)
 def test_points_of_published_systems(name, start) -> None:
     found = curve(name, start)

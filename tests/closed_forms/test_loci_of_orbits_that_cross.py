@@ -45,6 +45,7 @@ def assert_crossed(curve: Branch, bend: float, most: int = 60) -> None:
     assert len(curve) < most
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("bend", [0.0, 0.2])
 def test_folds_of_a_map(bend) -> None:
     system = map_as_machine(lambda x, p: (x[0] + product(p, bend) - x[0] ** 2,), "x", VALUES)
@@ -62,6 +63,7 @@ def test_a_marked_value_of_a_map(bend) -> None:
     assert_crossed(cw.continue_locus(system, branch, "UZ1", RANGES, **FINE), bend, most=400)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("bend", [0.0, 0.2])
 def test_folds_of_cycles(bend) -> None:
     """Of the unit circle, gone round in pi, with z' = g (lam, nu) - z^2 across it."""

@@ -69,6 +69,7 @@ def assert_multipliers(branch, exact):
         assert abs(found[0] - wanted[0]) <= row["spectrum_error"]
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("moving", [True, False])
 @pytest.mark.parametrize("size", [1e3, 1e12])
 def test_multipliers_of_far_different_sizes(size, moving):
@@ -132,6 +133,7 @@ def test_negative_multipliers():
     assert_multipliers(branch, lambda lam: [-(1e5**lam), -(1e-5**lam), math.exp(-0.3 * lam * PERIOD)])
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("segments", [1, 2, 5, 16])
 def test_any_number_of_segments_gives_the_same(segments):
     fixed = similar(np.diag([2.0, -1.0, -0.2]))

@@ -56,6 +56,7 @@ def test_the_determinant_itself():
     np.testing.assert_allclose(borders(1.0, 0.0, 0)[1:3], [3.9170247730, 4.3713009827], atol=1e-9)
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize(("q", "c"), [(1.0, 0.1), (2.0, 0.1), (5.0, 0.5), (0.5, 0.05)])
 @pytest.mark.parametrize("cubic", [0.0, 1.0])
 def test_borders_of_the_first_tongues(q, c, cubic):

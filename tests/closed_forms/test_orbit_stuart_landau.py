@@ -47,6 +47,7 @@ def assert_rows(branch, matrix, offset):
         assert true <= 10.0 * WALKED
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("name", COORDINATES)
 def test_the_cycle_in_any_coordinates(name):
     matrix, offset = COORDINATES[name]

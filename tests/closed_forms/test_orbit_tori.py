@@ -31,6 +31,7 @@ def folded(turns):
 
 
 # Rotation numbers off the strong resonances, from less than one turn a round to several.
+@pytest.mark.drawn
 @pytest.mark.parametrize("turns", [0.05, 0.3819660112501051, 0.7, 3.2])
 @pytest.mark.parametrize(
     ("sigma", "beta", "kappa"), [(-1.0, 0.0, 0.0), (0.8, 0.0, 0.0), (-1.0, 3.0, 0.5), (1.0, -3.0, 0.5)]
@@ -52,6 +53,7 @@ def test_rotation_number_and_criticality(turns, sigma, beta, kappa):
     assert point.period == pytest.approx(period_of(omega), rel=10 * ACCURACY)
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize(("accuracy", "beta"), [(1e-6, 0.5), (1e-6, 20.0), (1e-7, 20.0)])
 def test_a_coefficient_that_is_zero_to_its_error_has_no_criticality(accuracy, beta):
     """sigma + beta kappa = 0: the torus is neither above nor below, and d is what the steps leave of it."""

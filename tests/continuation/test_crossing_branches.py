@@ -60,6 +60,7 @@ def transcritical(seed):
     return field, n, lam, x, np.linalg.eigvals(-np.linalg.inv(rates) @ linear)
 
 
+@pytest.mark.drawn(5)
 @pytest.mark.parametrize("seed", range(12))
 def test_where_a_daughter_meets_zero_the_zero_branch_is_found(seed):
     field, n, lam, x, critical = transcritical(seed)

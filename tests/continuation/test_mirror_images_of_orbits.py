@@ -107,6 +107,7 @@ def not_walked(notes):
     return [note.split(":")[0] for note in notes if "It was not computed" in note]
 
 
+@pytest.mark.drawn(2)
 def test_special_points_are_those_that_a_walk_locates(both):
     _, (branches, notes), (walked, others) = both
     assert "b2" in not_walked(notes)

@@ -47,6 +47,7 @@ def _pair_of_hopf_points(apart, bent):
     return small_problem(field, "xy", {"mu": -1.0}, "mu")
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("apart", [1e-2, 1e-5, 1e-7])
 @pytest.mark.parametrize("bent", [False, True])
 @pytest.mark.parametrize("start", [-1.0, -0.9123])
@@ -114,6 +115,7 @@ def test_two_folds_whose_parameters_are_1e_minus_5_apart():
     assert first.parameters["lam"] - second.parameters["lam"] == pytest.approx(1e-5, rel=1e-9)
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("apart", [1e-5, 1e-7])
 @pytest.mark.parametrize("same_state", [False, True])
 def test_two_branch_points_close_together(apart, same_state):

@@ -223,6 +223,7 @@ class TestEventsAtOnce:
             events={"OC": policy},
         )
 
+    @pytest.mark.drawn
     @pytest.mark.parametrize("sign", [1.0, -1.0])
     @pytest.mark.parametrize(
         "apart",

@@ -103,6 +103,7 @@ def test_the_teeth_of_a_shaft_that_turns_evenly(method, teeth):
     np.testing.assert_allclose([event.time for event in events], exact, atol=1e-9)
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("method", ["dop853", "verner98"])
 @pytest.mark.parametrize("half", [1.0, 0.125, 1.0 / 3.0])
 def test_a_thousand_kicks_by_the_clock_through_which_one_step_could_go(method, half):

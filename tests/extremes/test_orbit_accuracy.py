@@ -20,6 +20,7 @@ PARAMETER_ROUNDING = 4.0 * np.finfo(float).eps
 # -- two period doublings beside each other ------------------------------------------------------------------
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-12])
 @pytest.mark.parametrize("apart", [1e-2, 1e-4, 1e-6])
 def test_two_period_doublings_within_one_step(apart, accuracy):
@@ -190,6 +191,7 @@ def _marked(accuracy: float) -> Branch:
     return cw.continue_branch(problem, start, (0.01, 0.5), period=6.28, marks={"max_abs": [0.5]})
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_marks_of_an_observable_meet_the_accuracy(accuracy):
     (mark,) = labelled(_marked(accuracy), "UZ")
@@ -200,6 +202,7 @@ def test_marks_of_an_observable_meet_the_accuracy(accuracy):
     assert off <= mark.error + PARAMETER_ROUNDING * truth
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_marks_of_an_extremum_claim_no_more_than_they_know(accuracy):
     """The multiplier of the twisted plane is smallest at lam = 0.3."""
@@ -224,6 +227,7 @@ def _dipping(t, x, p, dx):
     dx[3] = mean * x[3] + spread * (x[1] * x[2] - x[0] * x[3]) + 0.5 * x[2]
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_hopf_points_of_the_same_run_exceed_every_request(accuracy):
     system = small_system(stuart_landau(), "xy", {"mu": -0.5})

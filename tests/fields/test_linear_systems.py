@@ -99,6 +99,7 @@ def point_in_digits(moved=None, step=0):
     return [mpmath.mpf(v) + step * (i == moved) for i, v in enumerate(POINT)]
 
 
+@pytest.mark.drawn(8)
 @pytest.mark.parametrize("n", SIZES)
 @pytest.mark.parametrize("kind", MATRICES)
 def test_solutions_solve_the_equations(kind, n):
@@ -118,6 +119,7 @@ def test_solutions_solve_the_equations(kind, n):
     assert np.array_equal(field(0.0, POINT, field.constants([])), found)
 
 
+@pytest.mark.drawn(5)
 @pytest.mark.parametrize("n", [2, 4, 5, 30])
 @pytest.mark.parametrize("kind", MATRICES)
 def test_jacobians_are_exact(kind, n):
@@ -334,6 +336,7 @@ def test_an_inverse_times_a_vector_is_one_solution():
     assert kinds.count("solved") == 1
 
 
+@pytest.mark.drawn(5)
 @pytest.mark.parametrize("n", [2, 8, 9, 20])
 @pytest.mark.parametrize("kind", MATRICES)
 def test_determinants(kind, n):

@@ -347,6 +347,7 @@ def released(order: int, direction: str) -> System:
     )
 
 
+@pytest.mark.drawn(12)
 @pytest.mark.parametrize("direction", ["falling", "both"])
 @pytest.mark.parametrize("order", [1, 2, 3, 5])
 @pytest.mark.parametrize("f", np.linspace(0.15, 0.95, 5).tolist())

@@ -30,6 +30,7 @@ def durations(path):
     return found
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(("fps", "lasts"), [(10.0, 100), (30.0, 30), (60.0, 20), (8.0, 120)])
 def test_a_gif_plays_as_long_as_the_motion_lasts(tmp_path, fps, lasts):
     path = tmp_path / "walk.gif"

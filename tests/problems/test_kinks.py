@@ -59,6 +59,7 @@ def orbits(folder, term, free="w"):
     return study(folder, PLUGIN.format(term=term), START % free, figures=False)
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(
     ("term", "what"),
     [

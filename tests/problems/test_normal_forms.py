@@ -22,6 +22,7 @@ def bautin(cubic, place):
     return field
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("place", [(0.0, 0.0), (0.3, -0.7), (1e-17, 12.1)])
 @pytest.mark.parametrize(
     ("cubic", "expected"),
@@ -50,6 +51,7 @@ def quintic(cubic, place):
     return field
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("place", [0.0, 0.3, 12.1])
 @pytest.mark.parametrize(
     ("cubic", "expected"),

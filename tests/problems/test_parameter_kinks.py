@@ -76,6 +76,7 @@ def studied(folder, machine, factor, run=""):
     return study(folder, HEAD.format(factor=factor) + machine, run or RUNS[machine])
 
 
+@pytest.mark.drawn
 @MACHINES
 @pytest.mark.parametrize(
     ("factor", "what"),
@@ -96,6 +97,7 @@ def test_a_branch_ends_where_the_field_jumps_with_its_parameter(tmp_path, machin
     assert notes == []
 
 
+@pytest.mark.drawn
 @MACHINES
 @pytest.mark.parametrize(
     ("factor", "what"), [("1.0 + abs(p.a - 0.5)", "abs"), ("max(1.0, 0.5 + p.a)", "max")]
@@ -107,6 +109,7 @@ def test_a_corner_of_a_branch_is_told(tmp_path, machine, factor, what):
     assert "At a = 0.5, whatever the states are, slopes of the field jump" in told
 
 
+@pytest.mark.drawn
 @MACHINES
 @pytest.mark.parametrize(
     "factor",

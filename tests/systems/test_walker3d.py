@@ -85,6 +85,7 @@ CHOICES = [
 ]
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("choices", CHOICES, ids=lambda c: "_".join(c.values()) or "default")
 def test_accelerations_are_those_of_kanes_equations(choices):
     random, system = np.random.default_rng(3), walker(**choices)

@@ -43,6 +43,7 @@ def bifurcations(branch: Branch) -> list[str]:
 
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-10])
 class TestBordersOverTheSpeed:
+    @pytest.mark.drawn
     @pytest.mark.parametrize(
         ("name", "borders"),
         [("autobalancer_anisotropic", (BORDER_18,)), ("autobalancer_anisotropic_fig19", BORDERS_19)],
@@ -95,6 +96,7 @@ class TestBordersOverTheSpeed:
             assert found == pytest.approx(list(borders), rel=accuracy)
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-10])
 @pytest.mark.parametrize("figure", MAXIMA)
 def test_local_maxima_over_the_load(figure, accuracy):
@@ -110,6 +112,7 @@ def test_local_maxima_over_the_load(figure, accuracy):
     assert np.all(branch["max_abs"][near] <= branch["max_abs"][mark.index] * (1.0 + 1e-9))
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-10])
 @pytest.mark.parametrize("figure", CRITICAL_DRAG)
 def test_critical_drag(figure, accuracy):

@@ -51,6 +51,7 @@ def test_tori_are_followed_from_a_zero_hopf_point_of_either_curve(tmp_path, kind
     assert 0.0 < tori["b"].min() < 0.05
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("kind", ["LP", "HB"])
 def test_tori_that_are_not_found_are_told(tmp_path, monkeypatch, kind) -> None:
     monkeypatch.setattr(births, "tori_of_cycles", lambda *_: ())

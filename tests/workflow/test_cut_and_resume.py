@@ -93,6 +93,7 @@ def test_the_start_has_marks_of_its_own(whole):
     assert whole[:5] == ["point", "point", "UZ", "point", "UZ"]
 
 
+@pytest.mark.drawn(5)
 @pytest.mark.parametrize("number", [*range(1, 9), 40, 41, 42])
 def test_a_run_that_is_cut_goes_on_to_the_same_diagram(folder, whole, number):
     output = f"cut{number}.h5"

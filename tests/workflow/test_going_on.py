@@ -106,6 +106,7 @@ class Stopping(Reporter):
             raise KeyboardInterrupt
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("number", [8, 30])
 def test_an_interruption_on_the_wider_way(compute, tmp_path, number):
     compute("whole.h5", "continue.range=[-0.6, 1.0]")
@@ -160,6 +161,7 @@ SYSTEM = System(
 """
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("points", [40, 70, 150])
 def test_a_loop_that_was_cut_before_it_closed_is_one_branch(compute, tmp_path, points):
     """With 70 points it has been begun at both crossings; the second part is the first one's, and dropped."""
@@ -190,6 +192,7 @@ SYSTEM = System(
 """
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("points", [20, 60, 90])
 def test_curves_of_a_study_that_was_cut_are_those_of_the_whole_one(compute, tmp_path, points):
     """With 60 points the curve is begun at both folds, with 20 at one, when the second is not yet found."""

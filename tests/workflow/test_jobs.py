@@ -143,6 +143,7 @@ class Interrupting(Reporter):
             raise KeyboardInterrupt
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("first", [1, 2])
 def test_what_was_interrupted_goes_on_on_another_number_of_processes(study, alone, first):
     for number in (7, 90):
@@ -375,6 +376,7 @@ def test_the_other_direction_of_a_closed_branch_is_not_there(tmp_path):
     assert_identical(alone, computed(path, "map.h5", executor=OnlyMap()))
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_an_error_on_one_side_ends_the_branch_as_it_does_alone(study, monkeypatch, side):
     own = branch_walk.walk

@@ -125,6 +125,7 @@ def test_the_document_obeys_version_2_of_the_schema(two, curves) -> None:
                 assert point["label"] == "EP" or set(point["errors"]) == set(curve["free"])
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("name", "points"), [("two", 25), ("curves", 30)])
 def test_a_curve_that_was_cut_goes_on_to_the_last_bit(place, name, points, request) -> None:
     whole = request.getfixturevalue(name)

@@ -89,6 +89,7 @@ def soft_orbit() -> tuple[HybridOrbit, np.ndarray]:
 ORBITS = {name: lambda name=name: orbit(name, 1e-11) for name in CASES} | {"soft and hard": soft_orbit}
 
 
+@pytest.mark.drawn(4)
 @pytest.mark.parametrize("name", list(ORBITS))
 def test_neighbouring_motions_go_as_the_deviation_says(name):
     deviations = Deviations(*ORBITS[name]())

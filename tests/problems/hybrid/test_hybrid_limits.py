@@ -49,6 +49,7 @@ class TestClocks:
             )
         )
 
+    @pytest.mark.drawn(3)
     @pytest.mark.parametrize(("clock", "kind"), CLOCKS)
     def test_place_and_kind(self, clock, kind):
         """Where `second` is at 0.4; a corner where the branch's slopes on both sides differ."""
@@ -67,6 +68,7 @@ class TestClocks:
         assert point.unstable_before == point.unstable_after == 0
         assert point.criticality is None
 
+    @pytest.mark.drawn(3)
     @pytest.mark.parametrize(("clock", "kind"), CLOCKS)
     def test_orbits_in_the_other_order_leave(self, clock, kind):
         first, other = self.study(clock)[:2]

@@ -48,6 +48,7 @@ def watched(guard):
     return f"Transition('near', 'only', 'only', lambda t, x, p: {guard}, role='watched'),"
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(
     ("function", "side", "what"),
     [
@@ -68,6 +69,7 @@ def test_a_condition_that_jumps_through_zero_is_told_once(tmp_path, function, si
     assert f"block.py, line {line} ({what})" in told
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(
     ("function", "changes"),
     [
@@ -101,6 +103,7 @@ JUMPING = [
 ]
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("guard", JUMPING)
 def test_the_guard_of_another_transition_that_jumps_through_zero_ends_the_branch(tmp_path, guard):
     branch, told, line = study(tmp_path, more=watched(guard).replace("role='watched'", "reset=rebound"))
@@ -113,6 +116,7 @@ def test_the_guard_of_another_transition_that_jumps_through_zero_ends_the_branch
         assert 0.0 < 1.05 - branch["force"].max() < 1e-7
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("guard", JUMPING)
 def test_a_watched_guard_that_jumps_through_zero_on_a_leg_is_told(tmp_path, guard):
     branch, (told,), line = study(tmp_path, more=watched(guard))
@@ -122,6 +126,7 @@ def test_a_watched_guard_that_jumps_through_zero_on_a_leg_is_told(tmp_path, guar
     assert f"block.py, line {line} (a comparison)" in told
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(
     "guard",
     [

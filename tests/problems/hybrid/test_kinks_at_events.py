@@ -29,6 +29,7 @@ def study(folder, guard=GUARD, speed=SPEED):
     return branch, branch["load"][-1], notes
 
 
+@pytest.mark.drawn(4)
 @pytest.mark.parametrize(
     ("given", "of", "what"),
     [
@@ -90,6 +91,7 @@ def test_slopes_that_jump_at_the_event_are_told_and_passed(tmp_path, given, of, 
     assert f"arm.py, line {LINES[of]} ({what})" in told
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(
     "given",
     [

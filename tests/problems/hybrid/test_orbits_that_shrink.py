@@ -191,6 +191,7 @@ def test_a_family_that_shrinks_to_no_time_says_where(centre):
     assert abs(value) <= error <= 1e-8
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("speed", [1e-3, 1e-6, 5e-10])
 @pytest.mark.parametrize("centre", [0.0, 3.0])
 def test_a_start_with_a_tiny_kick_is_no_orbit_at_rest(speed, centre):

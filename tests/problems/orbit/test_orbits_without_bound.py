@@ -72,6 +72,7 @@ AUTONOMOUS = [
 ]
 
 
+@pytest.mark.drawn(4)
 @pytest.mark.parametrize(("field", "value", "start", "period", "limit"), AUTONOMOUS)
 def test_cycles_grow_without_bound(field, value, start, period, limit):
     problem = cw.PeriodicOrbit(small_problem(field, "xy", {"a": value}, "a").system, {"a": value}, "a")
@@ -265,6 +266,7 @@ MACHINES = {
 }
 
 
+@pytest.mark.drawn(4)
 @pytest.mark.parametrize("name", MACHINES)
 def test_motions_with_events_grow_without_bound(name):
     make, free, range_, direction, start, mode, until, limit = MACHINES[name]
