@@ -35,12 +35,14 @@ ELSEWHERE = {
     "three_masses_stability_chart",
     "three_masses_stability_map",
 }
+# Charts of the kinds of `autobalancer_damping_chart` and of `three_masses_stability_chart`.
+ALIKE = {"autobalancer_load_drag_chart", "three_masses_damped_chart"}
 
 
 def test_there_are_run_files():
     assert len(NAMES) >= 12
     assert set(ROWS) <= set(NAMES)
-    assert set(NAMES) > ELSEWHERE
+    assert set(NAMES) > ELSEWHERE | ALIKE
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -53,7 +55,8 @@ def test_table_and_output_have_the_name_of_the_run_file(name):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.long] if name in ELSEWHERE else []) for name in NAMES]
+    "name",
+    [pytest.param(name, marks=[pytest.mark.long] if name in ELSEWHERE | ALIKE else []) for name in NAMES],
 )
 def test_run_completes_and_draws_its_figures(name, tmp_path):
     overrides = (ROWS[name],) if name in ROWS else ()

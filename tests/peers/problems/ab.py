@@ -57,6 +57,7 @@ PEER = Peer(
                 Value("LP", 0.1443312619644242, 1e-13, COLLOCATION, of="orbit"),
             ),
             endings=(Ending("bound", "AUTO-07p", 0.25, 1e-12),),
+            long=True,
         ),
         Study(
             "p2=16.0",
@@ -70,6 +71,7 @@ PEER = Peer(
                 Value("LP", 0.1306373152261905, 2e-13, COLLOCATION, of="orbit"),
             ),
             endings=(Ending("bound", "AUTO-07p", 0.25, 1e-12),),
+            long=True,
         ),
         Study(
             "p2=17.0",

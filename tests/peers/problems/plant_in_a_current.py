@@ -55,7 +55,7 @@ PEER = Peer(
                 # Its ten digits are AUTO's at periods of 3e4.
                 Ending("homoclinic", "AUTO-07p at periods of 3e4", -0.0861061912, 5e-11),
             ),
-            slow=True,
+            long=True,
         ),
     ),
 )
