@@ -1,4 +1,6 @@
 # make demo   a first study: bifurcation diagram of the autobalancer, left in demo/
+# make quick  one test of each kind, in a minute and a half on one core
+# make near   the tests nearest to what has changed since main (BASE=HEAD~3: since another commit)
 # make test   the tests, in some minutes
 # make slow   the slow ones: whole studies, killed runs, peers
 # make long   more of these, for which no change waits
@@ -12,11 +14,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 DEMO := demo
 TEST_OPTIONS ?=
+BASE ?= main
 
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo test slow long check bench docs static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo quick near test slow long check bench docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -45,6 +48,13 @@ demo: install
 # The tests of a file share studies: in one process each study is computed once. Files come in the order of tests/order.py.
 # Hundreds of processes are started, and each would compile all modules where the environment says to keep none compiled.
 PYTEST = env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
+
+# In one process, which is ready before several would be.
+quick: install-test
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest $$(sed '/^#/d' tests/quick.txt) -m "not slow" $(TEST_OPTIONS)
+
+near: install-test
+	@near=$$($(BIN)/python -m tools.near --base $(BASE)) && if [ -n "$$near" ]; then $(PYTEST) -m "not slow" $(TEST_OPTIONS) $$near; fi
 
 test: install-test
 	$(PYTEST) -m "not slow" $(TEST_OPTIONS)

@@ -26,6 +26,22 @@ def test_what_is_not_in_the_table_is_expected_by_its_tests(slow, others, seconds
     assert expected("tests/test_new.py", slow, others, {"tests/test_new.py": 2.0}) == 2.0
 
 
+def test_the_quick_list_names_tests_that_exist_of_each_folder():
+    lines = (ROOT / "tests" / "quick.txt").read_text(encoding="utf-8").splitlines()
+    named = [line.partition("::")[::2] for line in lines if not line.startswith("#")]
+    assert len(set(named)) == len(named)
+    for path, test in named:
+        place = ROOT / path
+        assert place.exists()
+        assert not test or f"def {test.split('::')[-1].partition('[')[0]}(" in place.read_text(
+            encoding="utf-8"
+        )
+    folders = {
+        path.name for path in (ROOT / "tests").iterdir() if path.is_dir() and any(path.rglob("test_*.py"))
+    }
+    assert {path.split("/")[1] for path, _ in named} >= folders
+
+
 def test_tests_of_a_file_stay_together_and_in_their_order():
     tests = [("a", False), ("b", True), ("a", False), ("c", False), ("b", False), ("c", False), ("c", False)]
     order = longest_first([name for name, _ in tests], [slow for _, slow in tests], {"a": 100.0})
