@@ -14,6 +14,7 @@ from contwalk.version import __version__ as __version__
 if TYPE_CHECKING:
     from contwalk.branch import Branch as Branch
     from contwalk.branch import SpecialPoint as SpecialPoint
+    from contwalk.comparing.databases import diff as diff
     from contwalk.errors import ContwalkError as ContwalkError
     from contwalk.plotting import plot_bifurcation_diagram as plot_bifurcation_diagram
     from contwalk.plotting import plot_eigenvalues as plot_eigenvalues
@@ -40,6 +41,7 @@ _HOMES = {
     "SpecialPoint": "contwalk.branch",
     "continue_branch": "contwalk.studies.verbs",
     "continue_locus": "contwalk.studies.loci",
+    "diff": "contwalk.comparing.databases",
     "load_system": "contwalk.plugin_check.at_load",
     "open_database": "contwalk.storage",
     "plot_bifurcation_diagram": "contwalk.plotting",

@@ -25,6 +25,7 @@ _COMMANDS = {
     "sample": ("contwalk.cli.sample_command", "Measure many motions from drawn states and parameters."),
     "margins": ("contwalk.cli.margins_command", "Find how far a stored motion may be pushed."),
     "show": ("contwalk.cli.show_command", "Show what a database holds, as text or as JSON."),
+    "diff": ("contwalk.cli.diff_command", "Compare two databases, within the errors that they claim."),
     "plot": ("contwalk.cli.plot_command", "Draw a figure of a database."),
     "animate": ("contwalk.cli.animate_command", "Play an orbit of a database as GIF, MP4 or HTML."),
     "verify": ("contwalk.cli.verify_command", "Recompute the special points of a database, and compare."),
