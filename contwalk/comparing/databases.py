@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -257,6 +258,7 @@ def _differences(family: Family) -> Iterator[Difference]:
             f"({described(family.b[0])}) begin alike, and are not one curve."
         )
         yield Difference(BRANCH, text, family.a[0].name, family.b[0].name)
+        yield from _otherwise(family.a[0], family.b[0])
     else:
         yield from _rows(a, b, family.by)
     pairs, only_a, only_b = paired(stored(a), stored(b), family.by == BEGINNING)
@@ -269,6 +271,18 @@ def _differences(family: Family) -> Iterator[Difference]:
                 continue
             yield _unpaired(each, side)
     yield from _outcomes(family)
+
+
+def _otherwise(a: Branch, b: Branch) -> Iterator[Difference]:
+    """In which respect two branches are of another kind: their closure, and the events of their orbits."""
+    if a.info.closure != b.info.closure:
+        text = f"The orbits of {a.name} close by {a.info.closure} in A, those of {b.name} by {b.info.closure} in B."
+        yield Difference(BRANCH, text, a.name, b.name)
+    one, other = Counter(a.info.signature or ()), Counter(b.info.signature or ())
+    for side, more in (("A", one - other), ("B", other - one)):
+        if more:
+            events = ", ".join(sorted(more.elements()))
+            yield Difference(BRANCH, f"Only in {side} the orbits have: {events}.", a.name, b.name)
 
 
 def _rows(a: Sequence[Curve], b: Sequence[Curve], by: str) -> Iterator[Difference]:

@@ -53,6 +53,12 @@ def kind_of(branch: Branch) -> Hashable:
     return info.problem, frozenset(info.free), info.closure, events, info.subharmonic, of
 
 
+def _may_be(branch: Branch) -> Hashable:
+    """What branches of different models have in common that are laid beside each other."""
+    info = branch.info
+    return info.problem, frozenset(info.free), info.settings.get("of"), info.settings.get("of_problem")
+
+
 def names_of(branches: Sequence[Branch], image: bool = False) -> tuple[str, ...]:
     """The columns in which branches are compared; those that no symmetry changes for images."""
     names = place_names(branches)
@@ -77,7 +83,8 @@ def families(a: Sequence[Branch], b: Sequence[Branch]) -> tuple[list[Family], li
         if of_a and of_b:
             found += _together(of_a, of_b, IMAGE)
     for x in _left(a, found, "a"):
-        alike = [y for y in _left(b, found, "b") if kind_of(y) == kind_of(x) and _begun(x, y, found)]
+        alike = [y for y in _left(b, found, "b") if _may_be(y) == _may_be(x) and _begun(x, y, found)]
+        alike.sort(key=lambda y: kind_of(y) != kind_of(x))
         if alike:
             found.append(Family((x,), (alike[0],), BEGINNING))
     order = {x.name: k for k, x in enumerate(a)}

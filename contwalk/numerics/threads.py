@@ -24,6 +24,14 @@ _NAMES = (
     ("MKL_Get_Max_Threads", "MKL_Set_Num_Threads"),
 )
 
+# How OpenBLAS is asked for its kernels.
+_CORES = (
+    "scipy_openblas_get_corename64_",
+    "scipy_openblas_get_corename",
+    "openblas_get_corename64_",
+    "openblas_get_corename",
+)
+
 Item = TypeVar("Item")
 
 
@@ -41,6 +49,18 @@ def count() -> int | None:
     """Threads that NumPy's linear algebra may take now; None of a library that is not known."""
     library = _library()
     return None if library is None else library[0]()
+
+
+@cache
+def kernel() -> str:
+    """The kernels that NumPy's linear algebra takes, as OpenBLAS names them; '' of a library that does not."""
+    loaded = ctypes.CDLL(np.linalg._umath_linalg.__file__)
+    for name in _CORES:
+        if hasattr(loaded, name):
+            asked = getattr(loaded, name)
+            asked.restype = ctypes.c_char_p
+            return str((asked() or b"").decode())
+    return ""
 
 
 class _Holding:

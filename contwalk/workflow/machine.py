@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import platform
 import sys
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from contwalk.numerics.threads import kernel
+from contwalk.version import __version__
 
 
 def name_of_machine() -> str:
@@ -21,6 +28,49 @@ def name_of_machine() -> str:
         return platform.platform()
     return (
         "-".join([own.sysname, own.release, own.machine, "with", library]) if library else platform.platform()
+    )
+
+
+@cache
+def kind_of_processor() -> dict[str, str]:
+    """What decides the last bits of what is computed here: compiler, linear algebra and the kind of processor.
+
+    LLVM compiles for the processor that it finds, and NumPy takes other loops by what a processor can do.
+    """
+    import llvmlite
+    import numba
+    import numpy as np
+    from llvmlite import binding
+
+    features = binding.get_host_cpu_features().flatten()
+    loops = sorted(name for name, has in _cpu_features().items() if has)
+    return {
+        "numpy": np.__version__,
+        "numba": numba.__version__,
+        "llvmlite": llvmlite.__version__,
+        "processor": binding.get_host_cpu_name(),
+        "features": hashlib.sha256(f"{features} {loops}".encode()).hexdigest()[:16],
+        "kernel": kernel(),
+    }
+
+
+def _cpu_features() -> dict[str, bool]:
+    """What NumPy uses of the processor; less where `NPY_DISABLE_CPU_FEATURES` says so."""
+    from numpy._core import _multiarray_umath
+
+    return dict(getattr(_multiarray_umath, "__cpu_features__", {}))
+
+
+def told_elsewhere(provenance: Mapping[str, Any]) -> str:
+    """A sentence where what was stored was made with other versions, or on another kind of processor; or ''."""
+    here = {"contwalk_version": __version__, **kind_of_processor()}
+    before = {name: str(provenance[name]) for name in here if name in provenance}
+    other = [f"{name} {before[name]}, now {here[name]}" for name in before if before[name] != here[name]]
+    if not other:
+        return ""
+    return (
+        f"What is stored was made elsewhere ({'; '.join(other)}): the run goes on, and its last digits, and "
+        "counts of points with them, may be others than those of one run."
     )
 
 

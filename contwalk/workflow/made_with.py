@@ -6,11 +6,9 @@ import sys
 from datetime import UTC, datetime
 from pathlib import Path
 
-import numpy as np
-
 from contwalk.system import System
 from contwalk.version import __version__
-from contwalk.workflow.machine import name_of_machine
+from contwalk.workflow.machine import kind_of_processor, name_of_machine
 
 
 def made_with(path: Path, reference: str, system: System) -> dict[str, str]:
@@ -18,7 +16,7 @@ def made_with(path: Path, reference: str, system: System) -> dict[str, str]:
     return {
         "contwalk_version": __version__,
         "python": sys.version.split()[0],
-        "numpy": np.__version__,
+        **kind_of_processor(),
         "platform": name_of_machine(),
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
         "run_file": str(path),

@@ -10,8 +10,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.continuation import outcomes
 from contwalk.continuation.ahead import Ahead
@@ -28,7 +26,7 @@ from contwalk.system.loading import files_of
 from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures_of_run import check_figures, drawn
 from contwalk.workflow.going_on import claims_of, differences, header_of_both
-from contwalk.workflow.machine import name_of_machine
+from contwalk.workflow.machine import kind_of_processor, name_of_machine, told_elsewhere
 from contwalk.workflow.plans import (
     Study,
     all_starts,
@@ -132,6 +130,8 @@ def run(
         )
         recorder = _Recorder(db, reporter, result, run_file)
         recorder.tell_without_effect(run_file.without_effect)
+        if elsewhere := told_elsewhere(db.header.provenance):
+            recorder.note("elsewhere", elsewhere)
         recorder.record(diagram)
         if run_file.loci is not None and not result.interrupted:
             recorder.record(_curves(run_file, db, diagram.branches, claims, recorder.note))
@@ -245,7 +245,7 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
     return {
         "contwalk_version": __version__,
         "python": sys.version.split()[0],
-        "numpy": np.__version__,
+        **kind_of_processor(),
         "h5py": h5py.__version__,
         "platform": name_of_machine(),
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
