@@ -276,7 +276,7 @@ def _differences(family: Family) -> Iterator[Difference]:
 def _otherwise(a: Branch, b: Branch) -> Iterator[Difference]:
     """In which respect two branches are of another kind: their closure, and the events of their orbits."""
     if a.info.closure != b.info.closure:
-        text = f"The orbits of {a.name} close by {a.info.closure} in A, those of {b.name} by {b.info.closure} in B."
+        text = f"Orbits close by {a.info.closure} on {a.name} of A, by {b.info.closure} on {b.name} of B."
         yield Difference(BRANCH, text, a.name, b.name)
     one, other = Counter(a.info.signature or ()), Counter(b.info.signature or ())
     for side, more in (("A", one - other), ("B", other - one)):

@@ -53,7 +53,7 @@ def count() -> int | None:
 
 @cache
 def kernel() -> str:
-    """The kernels that NumPy's linear algebra takes, as OpenBLAS names them; '' of a library that does not."""
+    """The kernels of NumPy's linear algebra, as OpenBLAS names them; '' of a library that does not."""
     loaded = ctypes.CDLL(np.linalg._umath_linalg.__file__)
     for name in _CORES:
         if hasattr(loaded, name):

@@ -8,6 +8,7 @@ import platform
 import sys
 from collections.abc import Mapping
 from functools import cache
+from importlib import import_module
 from typing import Any
 
 from contwalk.numerics.threads import kernel
@@ -33,7 +34,7 @@ def name_of_machine() -> str:
 
 @cache
 def kind_of_processor() -> dict[str, str]:
-    """What decides the last bits of what is computed here: compiler, linear algebra and the kind of processor.
+    """What decides the last bits of what is computed: compiler, linear algebra and processor.
 
     LLVM compiles for the processor that it finds, and NumPy takes other loops by what a processor can do.
     """
@@ -56,13 +57,12 @@ def kind_of_processor() -> dict[str, str]:
 
 def _cpu_features() -> dict[str, bool]:
     """What NumPy uses of the processor; less where `NPY_DISABLE_CPU_FEATURES` says so."""
-    from numpy._core import _multiarray_umath
-
-    return dict(getattr(_multiarray_umath, "__cpu_features__", {}))
+    module = import_module("numpy._core._multiarray_umath")
+    return dict(getattr(module, "__cpu_features__", {}))
 
 
 def told_elsewhere(provenance: Mapping[str, Any]) -> str:
-    """A sentence where what was stored was made with other versions, or on another kind of processor; or ''."""
+    """That what was stored was made by other versions, or on another kind of processor; or ''."""
     here = {"contwalk_version": __version__, **kind_of_processor()}
     before = {name: str(provenance[name]) for name in here if name in provenance}
     other = [f"{name} {before[name]}, now {here[name]}" for name in before if before[name] != here[name]]

@@ -41,7 +41,8 @@ def test_exit_codes_and_words(files, capsys):
 def test_json_is_one_document(files, capsys):
     assert run(["diff", *files, "--json"]) == 1
     document = json.loads(capsys.readouterr().out)
-    assert document["diff_version"] == 1 and document["same"] is False
+    assert document["diff_version"] == 1
+    assert document["same"] is False
     assert document["differences"][0]["quantity"] == "c"
 
 

@@ -36,9 +36,8 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     (folder / "small.yaml").write_text(RUN, encoding="utf-8")
     found = {}
     for accuracy in ("1e-6", "1e-10"):
-        run_file = cw.read_run_file(
-            folder / "small.yaml", [f"accuracy={accuracy}"], str(folder / f"{accuracy}.h5")
-        )
+        output = str(folder / f"{accuracy}.h5")
+        run_file = cw.read_run_file(folder / "small.yaml", [f"accuracy={accuracy}"], output)
         found[accuracy] = folder / f"{accuracy}.h5"
         cw.run(run_file, figures=False)
     return found
@@ -88,7 +87,8 @@ def test_a_parameter_moved_by_a_hundred_errors_is_found(study, name):
         for found in (cw.diff(a, copied(a, change)), cw.diff(copied(a, change), a)):
             (difference,) = found.all_differences
             assert (difference.what, difference.quantity) == ("value", "delta")
-            assert difference.a == f"b1/{name}" and difference.difference > difference.allowed
+            assert difference.a == f"b1/{name}"
+            assert difference.difference > difference.allowed
 
 
 @pytest.mark.parametrize("branch", ["b1", "b2"])
@@ -123,7 +123,8 @@ def test_a_turned_row_is_found(study, column, what):
 
         for found in (cw.diff(copied(a, change), a), cw.diff(copied(a, change), b)):
             (difference,) = found.all_differences
-            assert difference.what == what and f"Row {row} " in difference.text
+            assert difference.what == what
+            assert f"Row {row} " in difference.text
 
 
 def test_criticality_status_and_lost_points_are_found(study):
@@ -189,9 +190,8 @@ def test_a_branch_cut_in_two_is_the_same(study):
     with cw.open_database(study["1e-6"]) as a:
         found = cw.diff(a, copied(a, order=cut))
         assert found.same, [each.text for each in found.all_differences]
-        assert found.branches[0].b == ("left", "right") and any(
-            "other pieces" in note for note in found.notes
-        )
+        assert found.branches[0].b == ("left", "right")
+        assert any("other pieces" in note for note in found.notes)
 
 
 def test_models_and_fixed_parameters_are_told(study):
@@ -213,6 +213,7 @@ def test_the_document_has_every_difference(study):
         fewer = copied(a, order=lambda branches: branches[:1])
         document = document_of(cw.diff(a, fewer))
     assert list(document) == ["diff_version", "a", "b", "same", "differences", "branches", "notes"]
-    assert document["same"] is False and document["branches"][1]["differences"][0]["b"] is None
+    assert document["same"] is False
+    assert document["branches"][1]["differences"][0]["b"] is None
     assert document["branches"][0]["a"] == document["branches"][0]["b"] == ["b1"]
     assert document["branches"][1]["n_points"][1] == 0 < document["branches"][1]["n_points"][0]
