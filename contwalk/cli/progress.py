@@ -1,13 +1,17 @@
-"""What a run says while it computes: a live line on a terminal, nothing elsewhere."""
+"""What a run says while it computes: a live line on a terminal, a line a minute elsewhere."""
 
 from __future__ import annotations
 
 import sys
+import threading
+from collections.abc import Callable
+from contextlib import suppress
 from types import TracebackType
 from typing import Any
 
-from contwalk.branch import BranchInfo, SpecialPoint
+from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.cli.terminal import console
+from contwalk.cli.words import plural
 from contwalk.workflow.runner import Reporter
 
 
@@ -89,7 +93,60 @@ class ProgressLine(NoteKeeper):
             self._progress.console.print(f"{info.name}  {point.label}{at}")
 
 
+class LineAMinute(NoteKeeper):
+    """A line a minute on stderr, however long a point takes: how long, which branch, where, how fast.
+
+    Parameters
+    ----------
+    wait : callable, optional
+        Waits for so many seconds, or until the run has ended; whether it has.
+    """
+
+    def __init__(self, wait: Callable[[float], bool] | None = None) -> None:
+        super().__init__()
+        self._ended = threading.Event()
+        self._wait = wait or self._ended.wait
+        self._teller = threading.Thread(target=self._tell, daemon=True)
+        self._where, self._branches = "no point yet", 0
+        self._points = 0
+
+    def __enter__(self) -> LineAMinute:
+        self._teller.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ended.set()
+        self._teller.join()
+
+    def branch_began(self, info: BranchInfo) -> None:
+        """The branch that is told of."""
+        self._where = f"{info.name}  {info.origin}".rstrip()
+
+    def point(self, info: BranchInfo, parameter: float, step: float, unstable: int, number: int) -> None:
+        """Where it is."""
+        self._points += 1
+        self._where = f"{info.name}  {info.free[0]} = {parameter:.6g}  point {number}"
+
+    def branch_ended(self, branch: Branch) -> None:
+        """One more is done."""
+        self._branches += 1
+
+    def _tell(self) -> None:
+        from contwalk.cli.entry import say
+
+        minutes = before = 0
+        while not self._wait(60.0):
+            minutes, points = minutes + 1, self._points
+            told = f"{minutes} min: {self._where}, {plural(points - before, 'point')} a minute"
+            before = points
+            with suppress(OSError):  # nobody reads
+                say(f"{told}, branches done: {self._branches}")
+
+
 def reporter_for(ends: tuple[float, float], quiet: bool) -> NoteKeeper:
-    """The live line where somebody watches a terminal; else one that only keeps the notes."""
-    watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
-    return ProgressLine(ends) if watched else NoteKeeper()
+    """The live line where somebody watches a terminal, a line a minute elsewhere; or only the notes."""
+    if quiet:
+        return NoteKeeper()
+    return ProgressLine(ends) if sys.stdout.isatty() and sys.stderr.isatty() else LineAMinute()

@@ -6,6 +6,7 @@ import json
 import re
 import shlex
 import shutil
+import threading
 
 import numpy as np
 import pytest
@@ -232,6 +233,41 @@ def test_progress_only_where_somebody_watches(monkeypatch, watched, quiet, live)
     for stream in (progress.sys.stdout, progress.sys.stderr):
         monkeypatch.setattr(stream, "isatty", lambda: watched, raising=False)
     assert isinstance(progress.reporter_for((0.0, 1.0), quiet), progress.ProgressLine) is live
+
+
+def test_a_line_a_minute_where_nobody_watches_a_terminal(capsys):
+    info = BranchInfo("b1", "equilibrium", ("x",), (), ("r",), {"r": 0.0}, 1, 1, origin="[upright]")
+    found, told = threading.Event(), threading.Event()
+    minutes = 0
+
+    def wait(seconds: float) -> bool:
+        nonlocal minutes
+        assert seconds == 60.0
+        minutes += 1
+        if minutes == 2:  # the first line is there; the points of the second minute are found
+            told.set()
+            assert found.wait(30.0)
+        return minutes > 3
+
+    with progress.LineAMinute(wait) as reporter:
+        assert told.wait(30.0)
+        reporter.branch_began(info)
+        for number in range(1, 4):
+            reporter.point(info, 0.25 * number, 0.01, 2, number)
+        found.set()
+        reporter._teller.join(30.0)
+    assert capsys.readouterr().err.splitlines() == [
+        "1 min: no point yet, 0 points a minute, branches done: 0",
+        "2 min: b1  r = 0.75  point 3, 3 points a minute, branches done: 0",
+        "3 min: b1  r = 0.75  point 3, 0 points a minute, branches done: 0",
+    ]
+
+
+def test_a_run_that_is_to_be_quiet_tells_no_minutes(monkeypatch):
+    for stream in (progress.sys.stdout, progress.sys.stderr):
+        monkeypatch.setattr(stream, "isatty", lambda: False, raising=False)
+    assert type(progress.reporter_for((0.0, 1.0), True)) is progress.NoteKeeper
+    assert type(progress.reporter_for((0.0, 1.0), False)) is progress.LineAMinute
 
 
 def test_progress_line_says_where_the_run_is(monkeypatch):
