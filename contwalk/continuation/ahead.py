@@ -6,7 +6,9 @@ branches in the order of its queue, from whoever has walked them, and stores the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -15,7 +17,9 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation.branch_in_progress import BranchInProgress, Start
 from contwalk.continuation.branch_walk import BranchWalk
+from contwalk.continuation.effort import REASON
 from contwalk.continuation.events import Began, Event, Found, Noted
+from contwalk.labels import END
 
 # Stands in texts for the name of a branch that is not known yet.
 NAMELESS = "\ue000"
@@ -34,11 +38,14 @@ class Task:
         The direction that is walked; both of them, if they are not independent.
     ancestors : tuple of tuples of SpecialPoint
         Of each branch on the way, the first one's first, its special points.
+    allowed : float
+        Right-hand sides that both directions may cost at most, as far as that is known.
     """
 
     number: tuple[int, ...]
     side: float | None = None
     ancestors: tuple[tuple[SpecialPoint, ...], ...] = field(default=(), compare=False)
+    allowed: float = field(default=math.inf, compare=False)
 
     @property
     def turn(self) -> tuple[int, int, tuple[int, ...], float]:
@@ -91,12 +98,46 @@ class Ahead(Protocol):
         """What is told of a branch whose turn has come, up to its `Ends`."""
 
 
-def messages_of(walk: BranchWalk, start: Start, side: float | None) -> Iterator[Message]:
+class UpTo:
+    """What is told of a side of a branch, up to where a direction has cost what it may.
+
+    Where whoever walks it was not told how much that is, or may have more, its further steps are not taken
+    over.
+
+    Attributes
+    ----------
+    cut : bool
+        Whether something is left out, or told of another bound.
+    """
+
+    def __init__(self, messages: Iterator[Message], allowed: float) -> None:
+        self._messages, self._allowed = messages, allowed
+        self.cut = False
+
+    def __iter__(self) -> Iterator[Message]:
+        spent: Counter[float] = Counter()
+        used_up = False
+        for message in self._messages:
+            special = message.special if isinstance(message, Point) else None
+            ends = isinstance(message, Ends) or (special is not None and special.label == END)
+            if (used_up and not ends) or (special is not None and special.kind == REASON):
+                self.cut = True
+                return
+            yield message
+            if isinstance(message, Point) and message.row is not None:
+                sign = float(np.sign(message.row["s"][0]))
+                spent[sign] += int(message.row["rhs"][0])
+                used_up = special is None and sign != 0.0 and spent[sign] >= self._allowed
+
+
+def messages_of(
+    walk: BranchWalk, start: Start, side: float | None, allowed: float = math.inf
+) -> Iterator[Message]:
     """All that is to be told of a side of the branch of a start, walked here, whatever its name will be."""
     if isinstance(start.opening, Outcome):
         return
     work = BranchInProgress(walk.info(start, NAMELESS))
-    for event in walk.events(start, start.opening, work, None, side):
+    for event in walk.events(start, start.opening, work, None, side, allowed):
         if isinstance(event, Began):
             yield Beginning()
         elif isinstance(event, Found):
@@ -106,7 +147,7 @@ def messages_of(walk: BranchWalk, start: Start, side: float | None) -> Iterator[
     yield Ends(tuple(work.outcomes), work.broken)
 
 
-def taken_over(messages: Iterator[Message], work: BranchInProgress) -> Iterator[Event]:
+def taken_over(messages: Iterable[Message], work: BranchInProgress) -> Iterator[Event]:
     """The events of a branch that was walked elsewhere; `work` is told of them."""
     name, begun = work.info.name, bool(work.rows)
     for message in messages:

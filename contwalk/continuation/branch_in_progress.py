@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -129,10 +129,16 @@ def spent(work: BranchInProgress, sign: float) -> int:
     return sum(1 for row in work.rows if row["s"][0] * sign >= 0.0)
 
 
-def outdated(stored: Stored, settings: Settings) -> frozenset[int]:
+def cost(rows: Iterable[np.ndarray], sign: float) -> int:
+    """What a direction has cost, by its rows, each of shape (1,)."""
+    return sum(int(row["rhs"][0]) for row in rows if row["s"][0] * sign > 0.0)
+
+
+def outdated(stored: Stored, settings: Settings, info: BranchInfo, allowed: float) -> frozenset[int]:
     """Special points that are no ends any more, by their numbers.
 
-    They were ends where fewer points, or a narrower range, were allowed than the settings allow now.
+    They were ends where fewer points, a narrower range or fewer right-hand sides than `allowed` were allowed
+    than are now. Images of a half cost nothing: they end where that one does.
     """
     found = set()
     for number, point in enumerate(stored.special_points):
@@ -144,7 +150,9 @@ def outdated(stored: Stored, settings: Settings) -> frozenset[int]:
             low < v[-1 - place] < high for v in values for place, (low, high) in settings.bounds.items()
         ]
         widened = point.kind == "bound" and all(within)
-        if widened or (point.kind == "max_points" and own < settings.max_points):
+        walked = 1.0 if point.s > 0.0 or info.settings.get("mirror") else -1.0
+        cheaper = point.kind == "effort" and cost(stored.rows[:, None], walked) < allowed
+        if widened or cheaper or (point.kind == "max_points" and own < settings.max_points):
             found.add(number)
     return frozenset(found)
 

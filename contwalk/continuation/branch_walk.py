@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Iterator
 from dataclasses import replace
 
@@ -14,12 +15,14 @@ from contwalk.continuation.branch_in_progress import (
     Start,
     Stored,
     closed,
+    cost,
     info_of,
     outdated,
     resumed,
     spent,
 )
 from contwalk.continuation.crowd import Crowd
+from contwalk.continuation.effort import Allowance
 from contwalk.continuation.events import Began, Cut, Event, Found, Noted, Plan
 from contwalk.continuation.first_steps import Beginning, FirstSteps, Place
 from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error, start_refined
@@ -121,23 +124,44 @@ class BranchWalk:
         work: BranchInProgress,
         stored: Stored | None,
         side: float | None = None,
+        allowed: float = math.inf,
     ) -> Iterator[Event]:
         """All that happens on a branch, which `work` is told of; an error ends it with an outcome.
 
         With a `side`, one of `sides`, what happens on that one; what happens at the start belongs to the
-        first one.
+        first one. Each direction may cost an equal part of the right-hand sides that are `allowed`.
         """
         try:
             signs = self.signs(start)
-            beginning = self._beginning(opening, work, stored, signs)
+            allowed = self.each(start, allowed)
+            beginning = self._beginning(opening, work, stored, signs, allowed)
             places = (yield from beginning) if side in (None, signs[0]) else _silently(beginning)
-            yield from self._walked(start, opening, work, {s: places[s] for s in places if side in (None, s)})
+            places = {sign: places[sign] for sign in places if side in (None, sign)}
+            yield from self._walked(start, opening, work, places, allowed)
         except outcomes.BREAKDOWNS as error:
             work.broken = True
             work.outcomes.append((1.0, outcomes.broken_by(error, "The branch cannot be followed")))
 
+    def each(self, start: Start, allowed: float) -> float:
+        """What each direction of a branch may cost, of what all may."""
+        return allowed / len(self.signs(start))
+
+    def rest(
+        self, start: Start, opening: Opening, work: BranchInProgress, side: float | None, allowed: float
+    ) -> Iterator[Event]:
+        """What is missing of a side that others have walked up to what it may cost."""
+        signs = self.signs(start) if side is None else (side,)
+        so_far = Stored(np.concatenate(work.rows), work.special_points, None)
+        places, _ = resumed(opening.problem, work, so_far, signs, self._plan.settings.events)
+        yield from self._walked(start, opening, work, places, self.each(start, allowed))
+
     def _beginning(
-        self, opening: Opening, work: BranchInProgress, stored: Stored | None, signs: tuple[float, ...]
+        self,
+        opening: Opening,
+        work: BranchInProgress,
+        stored: Stored | None,
+        signs: tuple[float, ...],
+        allowed: float,
     ) -> Generator[Event, None, Places]:
         """What happens at the start of a branch, new or taken up again; where each direction sets out."""
         problem, settings = opening.problem, self._plan.settings
@@ -159,7 +183,7 @@ class BranchWalk:
                 for sign in signs
             }
         else:
-            without = outdated(stored, settings)
+            without = outdated(stored, settings, work.info, allowed)
             places, points = resumed(problem, work, stored, signs, settings.events, without)
             yield Cut(work.info, len(work.rows), points)
         if len(work.rows) == 1:
@@ -167,7 +191,7 @@ class BranchWalk:
         return places
 
     def _walked(
-        self, start: Start, opening: Opening, work: BranchInProgress, places: Places
+        self, start: Start, opening: Opening, work: BranchInProgress, places: Places, allowed: float
     ) -> Iterator[Event]:
         """The directions of a branch, or what is missing of them."""
         problem, observer = opening.problem, observer_of(opening.problem)
@@ -181,7 +205,7 @@ class BranchWalk:
                 side = [row[0] for row in work.rows if row["s"][0] < 0.0]
                 if side:
                     place = from_row(problem, side[-1], sign, work.info.parent is not None)
-            yield from self._direction(problem, work, place, sign, observer)
+            yield from self._direction(problem, work, place, sign, observer, allowed)
         yield from self._closed_alone(work)
 
     def _closed_alone(self, work: BranchInProgress) -> Iterator[Event]:
@@ -211,6 +235,7 @@ class BranchWalk:
         place: Place,
         sign: float,
         observer: Observer,
+        allowed: float,
     ) -> Iterator[Event]:
         """One direction of a branch, walked from a place to its end."""
         settings, last = self._plan.settings, place[1].sample
@@ -219,10 +244,14 @@ class BranchWalk:
         left = settings.max_points - spent(work, sign)
         first = None if self._begun is None else self._begun.steps.pop(sign, None)
         if first is not None and first.place is place and first.points == left:
+            first.allowance.allowed = allowed
             events = first.whole()
         else:
-            earlier = Earlier(begun, done, _crowd(work, sign))
-            events = walk(*place, settings, observer, sign, left, earlier=earlier)
+            earlier, allowance = (
+                Earlier(begun, done, _crowd(work, sign)),
+                Allowance(allowed, cost(work.rows, sign)),
+            )
+            events = walk(*place, settings, observer, sign, left, earlier=earlier, allowance=allowance)
         for event in events:
             if isinstance(event, End):
                 outcome = with_what_stands_still(event.outcome, work.rows, sign, problem.line.free)

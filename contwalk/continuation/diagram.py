@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from contwalk.branch import Branch, Outcome
+from contwalk.branch import Branch, BranchInfo, Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.ahead import Ahead, Task, taken_over
+from contwalk.continuation.ahead import Ahead, Task, UpTo, taken_over
 from contwalk.continuation.beyond_depth import BeyondDepth
 from contwalk.continuation.born_there import born_there
 from contwalk.continuation.branch_in_progress import (
@@ -27,6 +27,7 @@ from contwalk.continuation.branch_in_progress import (
     outdated,
 )
 from contwalk.continuation.branch_walk import BranchWalk
+from contwalk.continuation.effort import LEFT_FOR_LATER, Efforts
 from contwalk.continuation.events import Began, Dropped, Ended, Event, Noted, Plan
 from contwalk.continuation.growing import grown, leading
 from contwalk.continuation.opening import Opening
@@ -69,6 +70,7 @@ class Diagram:
         self._starts = iter(starts)
         self._seeds: deque[Start] = deque()
         self._plan, self._beyond = plan, BeyondDepth(plan.depth)
+        self._efforts = Efforts(plan.effort, plan.settings, plan.command)
         self._restore = restore
         self.branches: list[Branch] = []
         self._walk = BranchWalk(plan)
@@ -77,20 +79,36 @@ class Diagram:
     def events(self) -> Iterator[Event]:
         """Everything that happens, as it happens."""
         for start in self._queue():
+            if self._used_up(start):
+                continue
             stored = self._claim(start)
             known = self._known(start)
             if known is not None:
                 if stored:  # begun when the other one had not yet come so far
                     yield Dropped(stored, known.branch)
-                if self._ahead is not None:
-                    for task in self._tasks(start):
-                        self._ahead.drop(task)
+                self._drop(start)
                 yield Noted(f"skipped {start.origin}", known.sentence(start.origin))
                 continue
             yield from self._branch(start, stored or self._next_name())
-        missing = self._beyond.sentence()
+        missing, later = self._beyond.sentence(), self._efforts.sentence()
         if missing is not None:
             yield Noted("depth", missing)
+        if later is not None:
+            yield Noted(LEFT_FOR_LATER[self._plan.by_generation], later)
+
+    def _used_up(self, start: Start) -> bool:
+        """Whether others like it have cost what all of them may; then it is left for later."""
+        if self._efforts.left(start, self._walk.info(start, "")) > 0.0:
+            return False
+        self._efforts.pass_over(start)
+        self._drop(start)
+        return True
+
+    def _drop(self, start: Start) -> None:
+        """The branch of a start is not asked for."""
+        if self._ahead is not None:
+            for task in self._tasks(start):
+                self._ahead.drop(task)
 
     def _next_name(self) -> str:
         names = itertools.count(len(self.branches) + 1)
@@ -154,8 +172,9 @@ class Diagram:
 
     def _branch(self, start: Start, name: str) -> Iterator[Event]:
         work = BranchInProgress(self._walk.info(start, name))
-        stored = self._restore(work.info.name)
-        if stored is not None and stored.outcome is not None and self._is_whole(stored, stored.outcome):
+        stored, allowed = self._restore(work.info.name), self._efforts.left(start, work.info)
+        if stored is not None and self._is_whole(start, stored, work.info, allowed):
+            assert stored.outcome is not None
             work.rows, work.special_points = [stored.rows], list(stored.special_points)
             branch = work.branch(stored.outcome)
         elif isinstance(start.opening, Outcome):
@@ -165,25 +184,35 @@ class Diagram:
         else:
             if stored is not None:
                 check_columns(stored, work.info)
-            yield from self._happening(start, start.opening, work, stored)
+            yield from self._happening(start, start.opening, work, stored, allowed)
             branch = work.branch(combined(work.outcomes, start.opening.message))
             yield Ended(branch)
         self.branches.append(branch)
+        self._efforts.tell(start, branch)
         if not isinstance(start.opening, Outcome):
             self._grow(start, start.opening.problem, branch)
 
     def _happening(
-        self, start: Start, opening: Opening, work: BranchInProgress, stored: Stored | None
+        self,
+        start: Start,
+        opening: Opening,
+        work: BranchInProgress,
+        stored: Stored | None,
+        allowed: float,
     ) -> Iterator[Event]:
         """All that happens on a branch, walked here or by others ahead of its turn."""
         if self._ahead is None or stored is not None or not start.number:
-            yield from self._walk.events(start, opening, work, stored)
+            yield from self._walk.events(start, opening, work, stored, allowed=allowed)
             return
         for task in self._tasks(start):
             if closed(work) or work.broken:  # then there is no other side
                 self._ahead.drop(task)
             else:
-                yield from taken_over(self._ahead.messages(task), work)
+                told = UpTo(self._ahead.messages(task), self._walk.each(start, allowed))
+                yield from taken_over(told, work)
+                if told.cut:
+                    self._ahead.drop(task)
+                    yield from self._walk.rest(start, opening, work, task.side, allowed)
 
     def _grow(self, start: Start, problem: Problem, branch: Branch) -> None:
         """Put the branches that leave a branch into the queue."""
@@ -200,11 +229,15 @@ class Diagram:
         """What there is to walk of the branch of a start."""
         if isinstance(start.opening, Outcome):
             return []
-        return [Task(start.number, side, start.above) for side in self._walk.sides(start, start.opening)]
+        allowed = self._efforts.most(self._walk.info(start, ""))
+        sides = self._walk.sides(start, start.opening)
+        return [Task(start.number, side, start.above, allowed) for side in sides]
 
-    def _is_whole(self, stored: Stored, outcome: Outcome) -> bool:
+    def _is_whole(self, start: Start, stored: Stored, info: BranchInfo, allowed: float) -> bool:
         """Whether nothing is to be added to a stored branch."""
-        return outcome.reason != "interrupted" and not outdated(stored, self._plan.settings)
+        if stored.outcome is None or stored.outcome.reason == "interrupted":
+            return False
+        return not outdated(stored, self._plan.settings, info, self._walk.each(start, allowed))
 
 
 # Parameter and period of a child's end agree to this, relatively, with those of the point of its parent's at

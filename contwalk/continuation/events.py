@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -22,7 +23,8 @@ class Plan:
     `parent` begins the branch that one without a known parent has returned to at a point; None where there is
     no such. `by_generation`: all starts are walked before anything that grows out of them, so that each
     branch is found in the least generation that it has, whichever points begin it; else each start is
-    followed by all that grows out of it.
+    followed by all that grows out of it. `effort`: how many times what the first branch of a problem did
+    another one may cost; `command`: what goes on with a run that has left some for later.
     """
 
     settings: Settings
@@ -31,6 +33,8 @@ class Plan:
     directions: tuple[float, ...] = (1.0, -1.0)
     parent: Callable[[Problem, SpecialPoint, Settings], Opening | Outcome | None] = lambda *_: None
     by_generation: bool = False
+    effort: float = math.inf
+    command: str = ""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from contwalk.continuation.effort import Allowance
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import End, Point, walk
@@ -30,8 +31,8 @@ class FirstSteps:
     def __init__(
         self, place: Place, settings: Settings, observer: Observer, sign: float, points: int
     ) -> None:
-        self.place, self.points = place, points
-        self._events = walk(*place, settings, observer, sign, points)
+        self.place, self.points, self.allowance = place, points, Allowance()
+        self._events = walk(*place, settings, observer, sign, points, allowance=self.allowance)
         self._seen: list[Point | End] = []
 
     def first(self) -> Point | End:

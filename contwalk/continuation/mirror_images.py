@@ -21,7 +21,7 @@ from contwalk.problems.problem import Mirror
 # Columns that tell of the computation and differ from one to the next.
 TIMED = ("seconds",)
 # Ends whose sentences are true of both halves as they stand.
-ALIKE = ("bound", "max_points")
+ALIKE = ("bound", "max_points", "effort")
 # A marked observable is the same on both halves if it differs by no more than this part of itself.
 SAME = 1e-6
 

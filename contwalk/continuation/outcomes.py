@@ -95,6 +95,16 @@ def max_points(number: int, growth: str = "") -> Outcome:
     return Outcome("stopped", "max_points", f"{words} {growth}".rstrip())
 
 
+def effort() -> Outcome:
+    """A direction has cost what it may."""
+    return Outcome(
+        "stopped",
+        "effort",
+        "Left for later: it has cost as many right-hand sides as `diagram.effort` allows. With --resume "
+        "--set diagram.effort=none it goes on from here.",
+    )
+
+
 def interrupted() -> Outcome:
     """The user interrupted the run."""
     return Outcome(

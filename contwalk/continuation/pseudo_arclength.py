@@ -12,6 +12,7 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
 from contwalk.continuation.closing import place_of_closure
 from contwalk.continuation.crowd import Crowd
+from contwalk.continuation.effort import Allowance
 from contwalk.continuation.excursion import reentered
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
@@ -68,6 +69,7 @@ def walk(
     points: int,
     *,
     earlier: Earlier | None = None,
+    allowance: Allowance | None = None,
 ) -> Iterator[Point | End]:
     """Solutions along a branch from `state`, special points in their places, and how it ended.
 
@@ -81,8 +83,11 @@ def walk(
         How many points there may still be.
     earlier : Earlier, optional
         What the walk has behind it, where it goes on.
+    allowance : Allowance, optional
+        What it may cost, which is told of each point; as much as it takes by default.
     """
-    return _Walk(problem, state, settings, observer, sign, points, earlier or Earlier()).whole()
+    allowance = allowance or Allowance()
+    return _Walk(problem, state, settings, observer, sign, points, earlier or Earlier(), allowance).whole()
 
 
 class _Walk:
@@ -97,13 +102,14 @@ class _Walk:
         sign: float,
         points: int,
         earlier: Earlier,
+        allowance: Allowance,
     ) -> None:
         self._problem, self._state = problem, state
         self._yielded = problem, state  # the last solution as it was yielded
         self._settings, self._observer, self._sign = settings, observer, sign
         self._left, self._done = points, earlier.points
         self._origin = (earlier.begun or state).sample
-        self._crowd, self._lost = earlier.crowd, SymmetriesLost()
+        self._crowd, self._lost, self._allowance = earlier.crowd, SymmetriesLost(), allowance
 
     def whole(self) -> Iterator[Point | End]:
         """All points, and the end."""
@@ -142,7 +148,9 @@ class _Walk:
             growth = self._problem.diagnosis.growth(self._state.sample.z)
             return outcomes.max_points(self._settings.max_points, growth)
         reached = self._bound()
-        return None if reached is None else outcomes.bound(*reached)
+        if reached is not None:
+            return outcomes.bound(*reached)
+        return outcomes.effort() if self._allowance.used_up else None
 
     def _bound(self) -> tuple[str, float] | None:
         """The parameter that is at an end of its range, and its value there."""
@@ -186,6 +194,7 @@ class _Walk:
 
     def _counted(self, point: Point) -> Point:
         self._done, self._left = self._done + 1, self._left - 1
+        self._allowance.spent += point.state.sample.evaluations
         return point
 
     def _arrive(self, step: Step, spent: tuple[float, int]) -> None:

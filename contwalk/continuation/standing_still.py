@@ -33,7 +33,7 @@ def with_what_stands_still(outcome: Outcome, rows: Sequence[np.ndarray], sign: f
         Name of the free parameter.
     """
     own = [row[0] for row in rows if row["s"][0] * sign >= 0.0][-POINTS:]
-    if outcome.reason != "max_points" or len(own) < POINTS:
+    if outcome.reason not in ("max_points", "effort") or len(own) < POINTS:
         return outcome
     values, periods = (np.array([row[name] for row in own]) for name in ("free", "period"))
     value, moved = float(values[-1, 0]), float(np.ptp(values[:, 0]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -12,22 +13,25 @@ from contwalk.branch import BranchInfo
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.opening import Opening
 from contwalk.storage.database import Database, RunHeader
+from contwalk.workflow.file_names import output_of
 from contwalk.workflow.run_file.reading import RunFile
 
 WIDENED = "widened"  # of the provenance: whether the run has gone on with other settings since it began
+KEY = "diagram.effort"
 CLOSE = 1e-6  # in typical magnitudes: the same start, corrected in another metric
 
 
 def differences(run_file: RunFile, header: RunHeader) -> list[str]:
     """Keys of the run file that forbid to go on with a stored run; none where it asks for the same, or more.
 
-    More is a larger `max_points`, and a range that contains the one before; not along a path, which begins
-    at an end of its range.
+    More is a larger `max_points` or `effort`, and a range that contains the one before; not along a path,
+    which begins at an end of its range.
     """
     stored, asked = run_file.settings_of(header.config), run_file.settings_of(run_file.data)
     if stored is None or asked is None:
         return ["the whole file"]
     walked, now = stored.pop("continue_"), asked.pop("continue_")
+    before, most = (study["diagram"].pop("effort") for study in (stored, asked))
     found = [key for key in asked if asked[key] != stored.get(key)]
     for key in now:
         if now[key] == walked[key]:
@@ -36,7 +40,19 @@ def differences(run_file: RunFile, header: RunHeader) -> list[str]:
         wider = key == "range" and asked["path"] is None and _contains(now[key], walked[key])
         if not (larger or wider):
             found.append(f"continue.{key}")
+    if before != most and most is not None and (before is None or most < before):
+        found.append("diagram.effort")
     return found
+
+
+def command_without_bound(run_file: RunFile) -> str:
+    """The command that goes on with a run, whatever that costs."""
+    words = ["contwalk", "continue", str(run_file.path)]
+    for override in run_file.overrides:
+        words += [] if override.partition("=")[0].strip() == KEY else ["--set", override]
+    if run_file.output != output_of(run_file.path, run_file.data.get("output")):
+        words += ["--output", str(run_file.output)]
+    return shlex.join([*words, "--resume", "--set", f"{KEY}=none"])
 
 
 def _contains(outer: Any, inner: Any) -> bool:

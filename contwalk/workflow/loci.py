@@ -16,6 +16,7 @@ from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.unbegun import unbegun
 from contwalk.storage import open_database
 from contwalk.studies.loci import opened_locus
+from contwalk.workflow.going_on import command_without_bound
 from contwalk.workflow.run_file.reading import RunFile, StartSpec
 from contwalk.workflow.stored.points import branch_of, place_of
 
@@ -76,7 +77,14 @@ def coverage_of(run_file: RunFile, settings: Settings) -> Plan:
     """What is followed of the curves of a study."""
     assert run_file.loci is not None
     ranged = replace(settings, second_range=run_file.loci.range)
-    return Plan(ranged, run_file.loci.follow, run_file.depth, by_generation=True)
+    return Plan(
+        ranged,
+        run_file.loci.follow,
+        run_file.depth,
+        by_generation=True,
+        effort=run_file.effort,
+        command=command_without_bound(run_file),
+    )
 
 
 class _Given:

@@ -14,6 +14,7 @@ from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.problems.orbit.discretization import OF_ORBITS, Discretization, of_orbits
 from contwalk.problems.problem import Problem
+from contwalk.workflow.going_on import command_without_bound
 from contwalk.workflow.run_file.reading import RunFile
 from contwalk.workflow.starting import Place, places, starts
 
@@ -68,7 +69,15 @@ def coverage_of(run_file: RunFile) -> Plan:
     """What a run covers."""
     follow = frozenset[str]() if run_file.second is not None else run_file.follow
     directions = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}[run_file.direction]
-    return Plan(settings_of(run_file), follow, run_file.depth, directions, _parent_of)
+    return Plan(
+        settings_of(run_file),
+        follow,
+        run_file.depth,
+        directions,
+        _parent_of,
+        effort=run_file.effort,
+        command=command_without_bound(run_file),
+    )
 
 
 def _parent_of(problem: Problem, point: SpecialPoint, settings: Settings) -> Opening | Outcome | None:

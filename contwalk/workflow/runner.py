@@ -15,6 +15,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.ahead import Ahead
 from contwalk.continuation.branch_in_progress import Stored
 from contwalk.continuation.diagram import Diagram
+from contwalk.continuation.effort import LEFT_FOR_LATER
 from contwalk.continuation.events import Began, Cut, Dropped, Ended, Event, Found, Noted
 from contwalk.errors import DatabaseError
 from contwalk.numerics.threads import one_thread
@@ -138,6 +139,8 @@ def run(
         if claims and not result.interrupted:
             for name in claims["claim"].left:
                 recorder.drop(name, "the study that has gone on has no such start")
+        if not result.interrupted:
+            recorder.forget(LEFT_FOR_LATER)
         result.branches = db.branches()
         if run_file.loci is not None and not result.interrupted:
             recorder.tell_without_curve(any(b.info.problem == "locus" for b in result.branches))
@@ -223,8 +226,8 @@ def _check_resumable(run_file: RunFile, db: FileDatabase) -> None:
         raise DatabaseError(
             f"{path} was computed from another run file: its settings differ from {run_file.path} "
             f"({', '.join(differing)}).",
-            "Only max_points may be raised, and a range widened. Give another --output, or --force to "
-            "start anew.",
+            "Only max_points and diagram.effort may be raised, and a range widened. Give another --output, "
+            "or --force to start anew.",
         )
     if db.header.provenance.get("equations_sha256") != equations_hash(run_file):
         raise DatabaseError(
@@ -300,6 +303,12 @@ class _Recorder:
             self.note("loci", NO_CURVE)
         elif self.db.notes().get("loci"):
             self.db.write_note("loci", "")
+
+    def forget(self, keys: Sequence[str]) -> None:
+        """Take back what an earlier process told under these keys, and this one has not."""
+        for key in keys:
+            if key not in self.noted and self.db.notes().get(key):
+                self.db.write_note(key, "")
 
     def record(self, diagram: Diagram) -> None:
         """Everything until the end, or until the user interrupts."""

@@ -51,7 +51,7 @@ class Walker:
 
     def messages(self, task: Task) -> Iterator[Message]:
         """All that is to be told of a branch, as it is found."""
-        yield from messages_of(self._walk, self._start(task), task.side)
+        yield from messages_of(self._walk, self._start(task), task.side, task.allowed)
 
     def _start(self, task: Task) -> Start:
         """The start of a branch: one of the run's, or one that grows out of another branch."""

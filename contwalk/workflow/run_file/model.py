@@ -20,6 +20,7 @@ from contwalk.workflow.run_file.values import (
     Angle,
     BornLabel,
     CurveLabel,
+    Effort,
     End,
     FileName,
     FollowedLabel,
@@ -133,6 +134,10 @@ class ParameterPath(Section):
     to: End = Field(description="a preset, or {parameter: value, ...}")
 
 
+# How many times what the first branch of a problem cost a person waits for another one: see the reference.
+EFFORT = 12.0
+
+
 class Diagram(Section):
     """Which branches are followed."""
 
@@ -140,6 +145,7 @@ class Diagram(Section):
         default=("BP", "HB", "PD"), description=f"a list of labels ({', '.join(FOLLOWED)}), all, or none"
     )
     depth: int = Field(default=5, ge=0, description="a whole number from 0 up")
+    effort: Effort = Field(default=EFFORT, description="a positive number, or none")
 
 
 class Events(Section):
@@ -265,7 +271,7 @@ class RunModel(Section):
         default=None, description="{from: preset or values, to: preset or values}"
     )
     diagram: Annotated[Diagram, BeforeValidator(as_diagram)] = Field(
-        default=Diagram(), description="{follow: [labels], depth: 5}, all, or none"
+        default=Diagram(), description=f"{{follow: [labels], depth: 5, effort: {EFFORT:g}}}, all, or none"
     )
     loci: Loci | None = Field(
         default=None, description="{with: parameter, range: [lowest, highest], of: all, follow: all}"

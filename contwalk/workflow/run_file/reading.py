@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import io
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -105,6 +106,7 @@ class RunFile:
     stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     follow: frozenset[str] = frozenset()
     depth: int = 5
+    effort: float = math.inf
     marks: tuple[Mark, ...] = ()
     events: Mapping[str, str] = field(default_factory=dict)
     report_at: ReportAt | None = None
@@ -271,6 +273,7 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
         stop_at=settings.stops(problems, measured, model),
         follow=frozenset(model.diagram.follow),
         depth=model.diagram.depth,
+        effort=math.inf if model.diagram.effort is None else model.diagram.effort,
         marks=settings.marks(problems, measured, model),
         events=model.events.model_dump(),
         report_at=settings.report_place(problems, system, model.report_at),

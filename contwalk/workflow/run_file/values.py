@@ -174,12 +174,20 @@ def _instants(value: Any) -> int | tuple[float, ...]:
     )
 
 
+def _effort(value: Any) -> float | None:
+    """A positive number; None for as much as it takes."""
+    if value is None or value == "none":
+        return None
+    return _within(0.0, math.inf, "a positive number, or none")(value)
+
+
 Number = Annotated[float, PlainValidator(number)]
 Positive = Annotated[float, PlainValidator(_within(0.0, math.inf, "a positive number"))]
 BorderAccuracy = Annotated[float, PlainValidator(_border_accuracy)]
 Angle = Annotated[float, PlainValidator(_within(0.0, 90.0, "degrees above 0, up to 90"))]
 Accuracy = Annotated[float, PlainValidator(_accuracy)]
 Tolerance = Annotated[float, PlainValidator(_tolerance)]
+Effort = Annotated[float | None, PlainValidator(_effort)]
 Until = Annotated[float | str, PlainValidator(_until)]
 StartUntil = Annotated[float | str, PlainValidator(_until_or_at_once)]
 MarkValue = Annotated[float | str, PlainValidator(_mark_value)]

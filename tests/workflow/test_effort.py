@@ -1,0 +1,190 @@
+"""What branches cost too much is left for later: bounded, named, and gone on with to the same bits."""
+
+from __future__ import annotations
+
+import math
+import shlex
+
+import numpy as np
+import pytest
+from cut_branches import bits
+
+from contwalk.cli.entry import run as command_line
+from contwalk.errors import DatabaseError, RunFileError
+from contwalk.storage import open_database
+from contwalk.workflow.run_file.reading import read_run_file
+from contwalk.workflow.runner import Reporter, run
+
+# Rössler's band: doublings at c = 2.8324 and 3.8374.
+PLUGIN = """\
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    dx[0] = -x[1] - x[2]
+    dx[1] = x[0] + 0.2 * x[1]
+    dx[2] = 0.2 + x[2] * (x[0] - p.c)
+
+SYSTEM = System(
+    "band", states=(State("x"), State("y"), State("z")), parameters=(Parameter("c", 2.0),),
+    modes=(Mode("only", field),),
+)
+"""
+
+RUN = """\
+contwalk: 1
+system: ./band.py
+start: {simulate: {state: {x: 1, y: 1, z: 0}, until: settled}}
+continue: {parameter: c, range: [2.0, 4.0]}
+diagram: {depth: 2, effort: none}
+accuracy: 1e-6
+"""
+
+FORKS = """\
+from contwalk.system import Mode, Parameter, Start, State, System
+
+def field(t, x, p, dx):
+    dx[0] = p.r * x[0] + x[0] ** 3 - x[0] ** 5
+
+SYSTEM = System(
+    "fork", states=(State("x"),), parameters=(Parameter("r", -0.5),), modes=(Mode("only", field),),
+    starts=(Start("rest", lambda p: [[0.0]]),),
+)
+"""
+
+FORKED = """\
+contwalk: 1
+system: ./fork.py
+start: {equilibrium: rest}
+continue: {parameter: r, range: [-1.0, 3.0]}
+"""
+
+
+@pytest.fixture(scope="module")
+def band(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("band")
+    (folder / "band.py").write_text(PLUGIN, encoding="utf-8")
+    (folder / "run.yaml").write_text(RUN, encoding="utf-8")
+    return folder
+
+
+def computed(folder, output, *overrides, reporter=None, **how):
+    run_file = read_run_file(folder / "run.yaml", overrides, str(folder / output))
+    return run(run_file, figures=False, reporter=reporter, **how)
+
+
+@pytest.fixture(scope="module")
+def whole(band):
+    return computed(band, "whole.h5").branches
+
+
+@pytest.fixture(scope="module")
+def effort(whole):
+    """One that ends the second of two doubled branches where half of it is there."""
+    first, second, third = (branch.cost["rhs"] for branch in whole)
+    return (second + 0.5 * third) / first
+
+
+@pytest.fixture(scope="module")
+def bounded(band, effort):
+    return computed(band, "bounded.h5", f"diagram.effort={effort!r}").branches
+
+
+def assert_alike(ours, theirs):
+    assert [bits(branch) for branch in ours] == [bits(branch) for branch in theirs]
+    assert [branch.special_points for branch in ours] == [branch.special_points for branch in theirs]
+    assert [branch.outcome for branch in ours] == [branch.outcome for branch in theirs]
+
+
+def notes(path):
+    with open_database(path) as db:
+        return db.notes()
+
+
+def test_a_branch_that_costs_more_stops_and_is_named(band, whole, bounded, effort):
+    assert_alike(bounded[:2], whole[:2])
+    third = bounded[2]
+    assert (third.outcome.status, third.outcome.reason) == ("stopped", "effort")
+    assert "--resume --set diagram.effort=none" in third.outcome.message
+    assert bits(third) == bits(whole[2])[: len(bits(third))]  # as far as it has come
+    allowed = effort * whole[0].cost["rhs"] - whole[1].cost["rhs"]
+    assert third.cost["rhs"] >= allowed > third.cost["rhs"] - third.points["rhs"][-1]
+    (note,) = [text for key, text in notes(band / "bounded.h5").items() if key == "effort"]
+    assert note.startswith(f"Left for later (`diagram.effort` = {effort:g}): b3 stopped.")
+
+
+def test_the_command_that_goes_on_ends_with_the_bits_of_a_run_without_bounds(band, whole, bounded):
+    words = notes(band / "bounded.h5")["effort"].partition("To go on: ")[2]
+    program, *arguments = shlex.split(words)
+    assert program == "contwalk"
+    copy = band / "gone_on.h5"
+    copy.write_bytes((band / "bounded.h5").read_bytes())
+    arguments[arguments.index("--output") + 1] = str(copy)
+    assert command_line([*arguments, "--quiet"]) == 0
+    with open_database(copy) as db:
+        assert_alike(db.branches(), whole)
+        assert "effort" not in db.notes()
+
+
+def test_nothing_is_begun_where_nothing_is_left(band, whole):
+    few = whole[1].cost["rhs"] / whole[0].cost["rhs"]
+    branches = computed(band, "few.h5", f"diagram.effort={0.5 * few!r}").branches
+    assert [branch.outcome.reason for branch in branches] == ["bound", "effort"]
+    told = notes(band / "few.h5")["effort"]
+    points = [point.name for point in branches[1].special_points if point.label == "PD"]
+    assert all(f"b2/{name}" in told for name in points)
+    again = computed(band, "few.h5", "diagram.effort=none", resume=True).branches
+    assert_alike(again, whole)
+
+
+def test_the_same_bits_from_several_processes(band, bounded, effort):
+    others = computed(band, "jobs.h5", f"diagram.effort={effort!r}", jobs=2).branches
+    assert_alike(others, bounded)
+
+
+class Killing(Reporter):
+    """Interrupts a run at a point of its third branch."""
+
+    def __init__(self, number):
+        self._number = number
+
+    def point(self, info, parameter, step, unstable, number):
+        if (info.name, number) == ("b3", self._number):
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("back", [1, 4])
+def test_the_same_bits_after_an_interruption(band, bounded, effort, back):
+    override, output = f"diagram.effort={effort!r}", f"killed{back}.h5"
+    first = computed(band, output, override, reporter=Killing(len(bounded[2]) - back))
+    assert first.interrupted
+    assert_alike(computed(band, output, override, resume=True).branches, bounded)
+    assert_alike(computed(band, output, override, resume=True).branches, bounded)
+
+
+def test_a_run_does_not_go_on_with_less(band, bounded):
+    with pytest.raises(DatabaseError, match=r"diagram\.effort"):
+        computed(band, "bounded.h5", "diagram.effort=0.1", resume=True)
+
+
+def test_branches_of_equilibria_have_all_their_points(tmp_path):
+    (tmp_path / "fork.py").write_text(FORKS, encoding="utf-8")
+    (tmp_path / "run.yaml").write_text(FORKED, encoding="utf-8")
+    found = computed(tmp_path, "all.h5", "diagram.effort=none").branches
+    assert found[1].cost["rhs"] > 2 * found[0].cost["rhs"]
+    assert_alike(computed(tmp_path, "one.h5", "diagram.effort=1").branches, found)
+
+
+@pytest.mark.parametrize(("written", "meant"), [("none", math.inf), ("2.5", 2.5)])
+def test_effort_of_a_run_file(band, written, meant):
+    assert read_run_file(band / "run.yaml", [f"diagram.effort={written}"]).effort == meant
+
+
+@pytest.mark.parametrize("written", ["0", "-1", "much", "true"])
+def test_what_is_no_effort_is_refused(band, written):
+    with pytest.raises(RunFileError, match=r"diagram\.effort: is .*Allowed: "):
+        read_run_file(band / "run.yaml", [f"diagram.effort={written}"])
+
+
+def test_costs_are_counted_with_every_point(whole):
+    for branch in whole:
+        assert branch.cost["rhs"] == int(np.sum(branch.points["rhs"]))
