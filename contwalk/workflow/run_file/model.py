@@ -135,7 +135,7 @@ class ParameterPath(Section):
 
 
 # How many times what the first branch of a problem cost a person waits for another one: see the reference.
-EFFORT = 12.0
+EFFORT = 50.0
 
 
 class Diagram(Section):

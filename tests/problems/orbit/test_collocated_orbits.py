@@ -183,7 +183,7 @@ def test_an_explosion_in_which_the_parameter_stands_still_is_gone_through():
     system = small_problem(nerve, "vw", {"I": 0.0}, "I").system
     problem = cw.Equilibrium(system, system.defaults(), "I", discretization=COLLOCATION)
     equilibria = cw.continue_branch(problem, [-1.2, -0.6], (0.0, 2.0))
-    cycle = cw.switch_branch(problem, equilibria, "HB1", (0.0, 2.0), max_points=115)
+    cycle = cw.switch_branch(problem, equilibria, "HB1", (0.0, 2.0), max_points=106)
     assert cycle.outcome.reason == "max_points"
     rows = cycle.points[-10:]
     assert np.all(np.diff(rows["period"]) > 0.1)
