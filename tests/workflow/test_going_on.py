@@ -123,7 +123,10 @@ def test_an_interruption_on_the_wider_way(compute, tmp_path, number):
 @pytest.mark.parametrize(
     ("overrides", "said"),
     [
-        (["continue.max_points=4"], r"\(continue.max_points\). Only max_points and diagram.effort may be raised"),
+        (
+            ["continue.max_points=4"],
+            r"\(continue.max_points\). Only max_points and diagram.effort may be raised",
+        ),
         (["continue.range=[-0.5, 3.0]"], "continue.range"),
         (["continue.range=[-2.0, 2.5]"], "continue.range"),
         (["continue.direction=up"], "continue.direction"),
