@@ -139,10 +139,10 @@ class LineAMinute(NoteKeeper):
         minutes = before = 0
         while not self._wait(60.0):
             minutes, points = minutes + 1, self._points
-            told = f"{minutes} min: {self._where}, {plural(points - before, 'point')} a minute"
+            line = f"{minutes} min: {self._where}, {plural(points - before, 'point')} a minute"
             before = points
             with suppress(OSError):  # nobody reads
-                say(f"{told}, branches done: {self._branches}")
+                say(f"{line}, branches done: {self._branches}")
 
 
 def reporter_for(ends: tuple[float, float], quiet: bool) -> NoteKeeper:

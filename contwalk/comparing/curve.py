@@ -49,7 +49,7 @@ def values_of(branch: Branch, names: Sequence[str]) -> np.ndarray:
 
 
 def leading(branch: Branch) -> np.ndarray:
-    """The largest real part or modulus of the stored spectrum; NaN where it is empty."""
+    """The largest real part or modulus of the stored spectrum, shape (k,); NaN where it is empty."""
     spectrum = branch.points["spectrum"]
     if spectrum.shape[1] == 0:
         return np.full(len(branch), np.nan)
@@ -96,7 +96,10 @@ def weights_of(branch: Branch, names: Sequence[str]) -> np.ndarray:
 
 
 def scale_of(branches: Sequence[Branch], names: Sequence[str]) -> np.ndarray:
-    """The range of each column over all branches; the metric's unit of one that moves by its errors alone."""
+    """The range of each column over all branches, shape (number of names,).
+
+    One that moves by its errors alone has the metric's unit.
+    """
     columns, claims, units = (
         np.concatenate([of(branch, names) for branch in branches])
         for of in (values_of, claims_of, weights_of)
@@ -182,12 +185,12 @@ class Curve:
 
     @cached_property
     def all_leads(self) -> np.ndarray:
-        """The leading eigenvalue's measure of all rows."""
+        """The leading eigenvalue's measure of all rows, shape (k,)."""
         return leading(self.branch)
 
     @cached_property
     def lead(self) -> np.ndarray:
-        """The leading eigenvalue's measure at the nodes."""
+        """The leading eigenvalue's measure at the nodes, shape (number of nodes,)."""
         return self.all_leads[self.rows]
 
     def foot(self, place: np.ndarray) -> Foot:
@@ -266,7 +269,7 @@ class Curve:
         return np.max(self.claims[rows], axis=0)
 
     def way(self, node: int) -> np.ndarray:
-        """The direction of the curve at a node, not normalized."""
+        """The direction of the curve at a node, not normalized, shape (number of names,)."""
         low, high = max(node - 1, 0), min(node + 1, len(self) - 1)
         return np.asarray(self.nodes[high] - self.nodes[low])
 

@@ -43,7 +43,7 @@ class Stored:
 
     @property
     def place(self) -> np.ndarray:
-        """Its row's columns in ranges."""
+        """Its row's columns in ranges, shape (number of names,)."""
         return self.curve.values[self.point.index] / self.curve.scale
 
     def value(self, name: str) -> float:

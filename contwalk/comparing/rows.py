@@ -78,7 +78,7 @@ def moved(own: Curve, places: Sequence[Met], side: str) -> Iterator[Difference]:
 
 
 def from_lead(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
-    """The leading eigenvalue's measure of each row, and its claimed error."""
+    """The leading eigenvalue's measure of each row, and its claimed error, both of shape (k,)."""
     return curve.all_leads, curve.branch.points["spectrum_error"]
 
 

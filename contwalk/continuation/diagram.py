@@ -208,9 +208,9 @@ class Diagram:
             if closed(work) or work.broken:  # then there is no other side
                 self._ahead.drop(task)
             else:
-                told = UpTo(self._ahead.messages(task), self._walk.each(start, allowed))
-                yield from taken_over(told, work)
-                if told.cut:
+                heard = UpTo(self._ahead.messages(task), self._walk.each(start, allowed))
+                yield from taken_over(heard, work)
+                if heard.cut:
                     self._ahead.drop(task)
                     yield from self._walk.rest(start, opening, work, task.side, allowed)
 

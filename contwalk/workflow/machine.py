@@ -11,7 +11,6 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from contwalk.numerics.threads import kernel
 from contwalk.version import __version__
 
 
@@ -43,6 +42,8 @@ def kind_of_processor() -> dict[str, str]:
     import numpy as np
     from llvmlite import binding
 
+    from contwalk.numerics.threads import kernel
+
     features = binding.get_host_cpu_features().flatten()
     loops = sorted(name for name, has in _cpu_features().items() if has)
     return {
@@ -61,11 +62,11 @@ def _cpu_features() -> dict[str, bool]:
     return dict(getattr(module, "__cpu_features__", {}))
 
 
-def told_elsewhere(provenance: Mapping[str, Any]) -> str:
+def made_elsewhere(provenance: Mapping[str, Any]) -> str:
     """That what was stored was made by other versions, or on another kind of processor; or ''."""
-    here = {"contwalk_version": __version__, **kind_of_processor()}
-    before = {name: str(provenance[name]) for name in here if name in provenance}
-    other = [f"{name} {before[name]}, now {here[name]}" for name in before if before[name] != here[name]]
+    now = {"contwalk_version": __version__, **kind_of_processor()}
+    before = {name: str(provenance[name]) for name in now if name in provenance}
+    other = [f"{name} {before[name]}, now {now[name]}" for name in before if before[name] != now[name]]
     if not other:
         return ""
     return (

@@ -27,7 +27,7 @@ from contwalk.system.loading import files_of
 from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures_of_run import check_figures, drawn
 from contwalk.workflow.going_on import claims_of, differences, header_of_both
-from contwalk.workflow.machine import kind_of_processor, name_of_machine, told_elsewhere
+from contwalk.workflow.machine import kind_of_processor, made_elsewhere, name_of_machine
 from contwalk.workflow.plans import (
     Study,
     all_starts,
@@ -131,7 +131,7 @@ def run(
         )
         recorder = _Recorder(db, reporter, result, run_file)
         recorder.tell_without_effect(run_file.without_effect)
-        if elsewhere := told_elsewhere(db.header.provenance):
+        if elsewhere := made_elsewhere(db.header.provenance):
             recorder.note("elsewhere", elsewhere)
         recorder.record(diagram)
         if run_file.loci is not None and not result.interrupted:

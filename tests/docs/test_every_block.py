@@ -33,10 +33,12 @@ RUN = {
 STUDY = "a study of minutes, whose run file tests/thesis/test_autobalancer_cascade.py follows"
 PART = "a part of a program: it takes branches, a system or files that the reader has"
 FORMS = "forms of commands, with names to fill in"
+NOISE = "any run file: tests/numerics/test_noise.py and the comparison under two seeds run some"
 NOT_RUN = {
     ("docs/howto/accuracy.md", "contwalk continue runs/autobalancer_cascade.yaml"): STUDY,
     ("docs/howto/accuracy.md", "contwalk tradeoff runs/autobalancer_cascade.yaml"): STUDY,
     ("docs/howto/accuracy.md", "from contwalk.continuation.reopening import reopened"): PART,
+    ("docs/howto/accuracy.md", "$ contwalk continue my_run.yaml"): NOISE,
     ("docs/reference/cli.md", "contwalk init SYSTEM [-o FILE] [--set CHOICE=VALUE]"): FORMS,
     ("docs/reference/cli.md", "contwalk systems list"): FORMS,
     (

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import contwalk as cw
 from contwalk.storage.backends import backend_of
-from contwalk.workflow.machine import kind_of_processor, told_elsewhere
+from contwalk.workflow.machine import kind_of_processor, made_elsewhere
 
 RUN = """
 contwalk: 1
@@ -42,5 +42,5 @@ def test_a_resume_on_another_kind_of_processor_says_so_and_goes_on(tmp_path: Pat
 
 
 def test_what_an_earlier_version_has_not_stored_is_no_other_machine():
-    assert told_elsewhere({}) == ""
-    assert told_elsewhere(kind_of_processor()) == ""
+    assert made_elsewhere({}) == ""
+    assert made_elsewhere(kind_of_processor()) == ""

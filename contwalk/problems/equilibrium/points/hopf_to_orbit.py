@@ -71,7 +71,7 @@ def _along(equilibrium: EquilibriumEquations, point: SpecialPoint, vector: np.nd
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
         start = orbit.layout.joined(np.tile(x, m), scalars, np.arange(m) / m)
         fitting = orbit.fitting(start)
-        mesh = mesh_for(fitting, start, fitting.weighted(magnitudes), orbit.discretization.walking)
+        mesh = mesh_for(fitting, start, fitting.weighted(units), orbit.discretization.walking)
         problem, turns = orbit.on(mesh, section), np.exp(1j * omega * period * np.arange(m) / m)
         tangent = orbit.layout.joined((q * turns[:, None]).real, np.zeros(len(scalars)))
         return problem, start, tangent - _along_pins(problem, start, tangent)
