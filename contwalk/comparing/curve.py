@@ -90,6 +90,8 @@ def weights_of(branch: Branch, names: Sequence[str]) -> np.ndarray:
             found[:, column] = weights[rows, used - info.free.index(name)]
         elif state in info.states:
             found[:, column] = weights[:, info.states.index(state)]
+        elif name in info.parameters:  # constant along the branch
+            found[:, column] = 0.0
         else:  # the period has itself for a scale
             found[:, column] = np.abs(branch[name])
     return found
@@ -167,6 +169,7 @@ class Curve:
         self.lengths = np.linalg.norm(np.diff(self.nodes, axis=0), axis=1)
         self.t = np.concatenate([[0.0], np.cumsum(self.lengths)])[: len(first)]
         self._gaps = {int(self.node_of[row]) for row in branch.gaps()}
+        self._polynomials: dict[int, _Interpolation] = {}
 
     def __len__(self) -> int:
         return len(self.nodes)
@@ -192,6 +195,19 @@ class Curve:
     def lead(self) -> np.ndarray:
         """The leading eigenvalue's measure at the nodes, shape (number of nodes,)."""
         return self.all_leads[self.rows]
+
+    @cached_property
+    def _reach(self) -> np.ndarray:
+        """Squares of what is near a node: the longer step beside it and half of it more, shape (nodes,)."""
+        padded = np.concatenate([[0.0], self.lengths, [0.0]])[: len(self) + 1]
+        return (np.maximum(1.5 * np.maximum(padded[:-1], padded[1:]), ONE_PLACE)) ** 2
+
+    def may_hold(self, place: np.ndarray) -> bool:
+        """Whether a row, whose columns are given, shape (number of names,), may lie on the curve, or within a
+        step beyond its ends: it is near a node then.
+        """
+        away = self.nodes - place / self.scale
+        return bool(np.any(np.einsum("ij,ij->i", away, away) <= self._reach))
 
     def foot(self, place: np.ndarray) -> Foot:
         """The foot of a row, whose columns are given, shape (number of names,)."""
@@ -223,14 +239,21 @@ class Curve:
         # A little past the ends: two versions of one row may stand on either side of it.
         slack = AT_NODE * self.lengths[segment]
         low, high = self.t[segment] - slack, self.t[segment + 1] + slack
-        nodes = self._window(segment)
+        curve, before = self._through(segment), np.inf
         for _ in range(FOOT_STEPS):
-            here, way = _lagrange(self.t[nodes], self.nodes[nodes], t)
+            value, way = curve.at(t)
             square = float(way @ way)
-            if not square > 0.0:
+            if not square > 0.0 or t == before:
                 return t
-            t = float(np.clip(t + (x - here) @ way / square, low, high))
+            before, t = t, min(max(t + float((x - value) @ way) / square, low), high)
         return t
+
+    def _through(self, segment: int) -> _Interpolation:
+        """The polynomial through the nodes around a segment."""
+        if segment not in self._polynomials:
+            nodes = self._window(segment)
+            self._polynomials[segment] = _Interpolation(self.t[nodes], self.nodes[nodes])
+        return self._polynomials[segment]
 
     def _window(self, segment: int) -> np.ndarray:
         """The nodes that interpolate a segment: two of each side, where they are."""
@@ -244,7 +267,7 @@ class Curve:
         if len(self) == 1:
             return values[0], np.zeros_like(values[0])
         nodes = self._window(segment)
-        best = _lagrange(self.t[nodes], values[nodes], t)[0]
+        best = _Interpolation(self.t[nodes], values[nodes]).at(t)[0]
         if (at_node := self.t[nodes] == t).any():
             return values[nodes[at_node][0]], np.zeros_like(best)
         a, b = values[segment], values[segment + 1]
@@ -274,16 +297,29 @@ class Curve:
         return np.asarray(self.nodes[high] - self.nodes[low])
 
 
-def _lagrange(t: np.ndarray, values: np.ndarray, at: float) -> tuple[np.ndarray, np.ndarray]:
-    """The polynomial through values, and its derivative."""
-    value, slope = np.zeros_like(values[0]), np.zeros_like(values[0])
-    for i in range(len(t)):
-        others = [t[j] for j in range(len(t)) if j != i]
-        factors = [(at - other) / (t[i] - other) for other in others]
-        value = value + values[i] * np.prod(factors)
-        derivative = sum(
-            float(np.prod([f for m, f in enumerate(factors) if m != k])) / (t[i] - other)
-            for k, other in enumerate(others)
-        )
-        slope = slope + values[i] * derivative
-    return value, slope
+class _Interpolation:
+    """The polynomial through values at some lengths, by divided differences.
+
+    Source: J. Stoer, R. Bulirsch, Introduction to Numerical Analysis, Springer 2002, section 2.1.3.
+
+    Parameters
+    ----------
+    t : ndarray, shape (k,)
+    values : ndarray, shape (k, number of names) or (k,)
+    """
+
+    def __init__(self, t: np.ndarray, values: np.ndarray) -> None:
+        self._t, coefficients = t, np.array(values, dtype=float)
+        for k in range(1, len(t)):
+            apart = (t[k:] - t[:-k]).reshape((-1,) + (1,) * (coefficients.ndim - 1))
+            coefficients[k:] = np.diff(coefficients[k - 1 :], axis=0) / apart
+        self._coefficients = coefficients
+
+    def at(self, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """The value and the derivative at a length, both of the shape of one value."""
+        value = self._coefficients[-1]
+        slope = np.zeros_like(value)
+        for node, coefficient in zip(self._t[-2::-1], self._coefficients[-2::-1], strict=True):
+            slope = slope * (t - node) + value
+            value = value * (t - node) + coefficient
+        return value, slope

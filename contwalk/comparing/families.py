@@ -40,8 +40,16 @@ class Family:
     def curves(self) -> tuple[list[Curve], list[Curve]]:
         """The branches of A and of B as curves in what they are told apart by."""
         names = names_of(self.a + self.b, self.by == IMAGE)
+        names += tuple(sorted(set(_told_apart(self.a) + _told_apart(self.b)) - set(names)))
         scale = scale_of(self.a + self.b, names)
         return [Curve(x, names, scale) for x in self.a], [Curve(x, names, scale) for x in self.b]
+
+
+def _told_apart(branches: Sequence[Branch]) -> tuple[str, ...]:
+    """Parameters that are constant along branches of one database, and not alike in all, as lines of a chart."""
+    values = [branch.info.parameters for branch in branches]
+    held = set(values[0]).difference(*(branch.info.free for branch in branches)) if values else set()
+    return tuple(name for name in held if len({own.get(name) for own in values}) > 1)
 
 
 def kind_of(branch: Branch) -> Hashable:
@@ -124,6 +132,8 @@ def _lie_on(x: Curve, y: Curve, by: str) -> bool:
     needed = min(ENOUGH, len(x))
     for node in range(len(x)):
         row = x.rows[node]
+        if not y.may_hold(x.values[row]):
+            continue
         foot = y.foot(x.values[row])
         if foot.on and (by == CURVE or _same_lead(y, foot, own[row])):
             count += 1

@@ -27,10 +27,12 @@ def met(own: Curve, others: Sequence[Curve]) -> list[Met]:
     """Each node of a curve on the curves of the other database."""
     found = []
     for row in own.rows:
-        feet = [(other, other.foot(own.values[row])) for other in others]
+        place = own.values[row]
+        near = [other for other in others if len(others) > 1 and other.may_hold(place)] or others
+        feet = [(other, other.foot(place)) for other in near]
         curve, foot = min(feet, key=lambda each: (not each[1].on, each[1].distance))
-        near = foot.on or foot.beyond > 0.0
-        found.append(Met(int(row), curve if near else None, foot))
+        beside = foot.on or foot.beyond > 0.0
+        found.append(Met(int(row), curve if beside else None, foot))
     return found
 
 

@@ -19,6 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.errors import ContwalkError
+
 VARIABLE = "CONTWALK_NOISE"
 EPSILON = float(np.finfo(float).eps)
 # Largest k.
@@ -33,7 +35,14 @@ _NAMES = ("solve", "inv", "pinv", "lstsq", "eig", "eigh", "eigvals", "eigvalsh",
 def _seed() -> int | None:
     """The seed that the environment names; None without noise."""
     given = os.environ.get(VARIABLE, "")
-    return int(given) if given.isdecimal() else None
+    if not given:
+        return None
+    if not (given.isascii() and given.isdecimal()):
+        raise ContwalkError(
+            f"The environment's {VARIABLE} is '{given}', and a seed of noise is a whole number from 0 on.",
+            f"Write {VARIABLE}=1, or leave it out to compute without noise.",
+        )
+    return int(given)
 
 
 SEED = _seed()

@@ -70,3 +70,15 @@ def test_compiled_code_python_and_linear_algebra_have_the_same_noise():
     environment = {**os.environ, noise.VARIABLE: "7"}
     done = subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True)
     assert done.stdout == "alike\n", done.stderr
+
+
+@pytest.mark.parametrize("seed", ["abc", "-1"])
+def test_what_is_no_seed_is_refused_in_a_sentence(seed, tmp_path):
+    surroundings = {**os.environ, noise.VARIABLE: seed}
+    command = [sys.executable, "-m", "contwalk", "continue", "runs/autobalancer_load.yaml"]
+    command += ["--output", str(tmp_path / "none.h5")]
+    ran = subprocess.run(command, env=surroundings, capture_output=True, text=True, check=False)
+    assert ran.returncode == 2
+    assert f"CONTWALK_NOISE is '{seed}'" in ran.stderr
+    assert "a whole number" in ran.stderr
+    assert "Traceback" not in ran.stderr

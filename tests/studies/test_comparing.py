@@ -217,3 +217,17 @@ def test_the_document_has_every_difference(study):
     assert document["branches"][1]["differences"][0]["b"] is None
     assert document["branches"][0]["a"] == document["branches"][0]["b"] == ["b1"]
     assert document["branches"][1]["n_points"][1] == 0 < document["branches"][1]["n_points"][0]
+
+
+def test_lines_of_a_chart_are_laid_beside_those_at_the_same_value(study):
+    """Two lines that differ in a parameter that neither varies: each has its own, in any order."""
+
+    def lines(branches: list[Branch]) -> list[Branch]:
+        (first,) = [each for each in branches if each.name == "b1"]
+        parameters = {**first.info.parameters, "omega": 6.0}
+        return [first, replace(first, info=replace(first.info, name="b9", parameters=parameters))]
+
+    with cw.open_database(study["1e-6"]) as a:
+        found = cw.diff(copied(a, order=lines), copied(a, order=lambda own: lines(own)[::-1]))
+        assert found.same, [each.text for each in found.all_differences]
+        assert [(each.a, each.b) for each in found.branches] == [(("b1",), ("b1",)), (("b9",), ("b9",))]
