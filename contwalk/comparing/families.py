@@ -46,7 +46,7 @@ class Family:
 
 
 def _told_apart(branches: Sequence[Branch]) -> tuple[str, ...]:
-    """Parameters that are constant along branches of one database, and not alike in all, as lines of a chart."""
+    """Parameters that are constant along branches of one database and not alike in all: lines of a chart."""
     values = [branch.info.parameters for branch in branches]
     held = set(values[0]).difference(*(branch.info.free for branch in branches)) if values else set()
     return tuple(name for name in held if len({own.get(name) for own in values}) > 1)
