@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -76,10 +77,13 @@ class ParameterLine:
 
     def usual(self, system: System) -> float:
         """The size of the coordinate as the system declares it, in its default; one where that is zero, or of
-        a path.
+        a path. Of what is conserved it is what the line began with: no value of it is declared.
         """
-        declared = (abs(p.default) for p in system.parameters if self.ends is None and p.name == self.free)
-        return next(declared, 0.0) or 1.0
+        if self.ends is not None:
+            return 1.0
+        declared = next((p.default for p in system.parameters if p.name == self.free), 0.0)
+        known = declared if math.isfinite(declared) else self.parameters.get(self.free, 0.0)
+        return abs(known) or 1.0
 
     def elsewhere(self, system: System, at: float) -> float:
         """Another coordinate: what holds at one may hold there alone, as where a force has no amplitude."""

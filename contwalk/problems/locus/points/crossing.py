@@ -194,7 +194,7 @@ class _Singular:
     def missed(self) -> float:
         """How far the equations are from being singular; infinite where that cannot be told."""
         try:
-            return float(np.linalg.norm(self._deficient(self.z).values))
+            return float(np.max(np.abs(self._deficient(self.z).values)))
         except np.linalg.LinAlgError:
             return float("inf")
 
