@@ -6,6 +6,7 @@
 # make long   more of these, for which no change waits
 # make check  all tests, lint, format, types and import directions
 # make same   six studies beside what the last commit made of them (or REVISION=...): what differs, points, CPU
+# make noise  the six studies with noise in the last bits, by two seeds: nothing may differ but digits within errors
 # make bench  what continuing costs, beside peers: docs/benchmarks.md
 # make docs   the picture and the table of modules in docs/, from the code
 #
@@ -20,7 +21,7 @@ BASE ?= main
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo quick near test slow long check same bench docs static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo quick near test slow long check same noise bench docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -73,6 +74,10 @@ check: static test slow long
 # SAME=--environment=NAME=VALUE compares the same code with a variable and without.
 same: install-dev
 	$(BIN)/python -m tools.same --revision $(or $(REVISION),HEAD) $(SAME)
+
+noise: install-dev
+	$(BIN)/python -m tools.same --environment CONTWALK_NOISE=1 --counts 0.05
+	$(BIN)/python -m tools.same --environment CONTWALK_NOISE=2 --counts 0.05
 
 static: install-dev
 	$(BIN)/ruff check .

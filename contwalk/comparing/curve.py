@@ -262,14 +262,28 @@ class Curve:
         high = segment + 1 if segment + 1 in self._gaps else high
         return np.arange(low, high + 1)
 
-    def at(self, values: np.ndarray, segment: int, t: float) -> tuple[np.ndarray, np.ndarray]:
-        """What nodes have, interpolated at a length, and how far it may be off between them."""
+    def unsure(self, claims: np.ndarray, segment: int) -> float:
+        """How far along the curve a foot may be off, by what its row and the nodes beside it claim.
+
+        `claims` are the row's, shape (number of names,); those that are not known count as nothing.
+        """
+        known = np.nan_to_num(claims + self.claims_at(segment), posinf=0.0) / self.scale
+        return float(np.linalg.norm(known))
+
+    def at(
+        self, values: np.ndarray, segment: int, t: float, unsure: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """What nodes have, interpolated at a length, and how far it may be off: between them, and where the
+        length is not known better.
+        """
         if len(self) == 1:
             return values[0], np.zeros_like(values[0])
         nodes = self._window(segment)
-        best = _Interpolation(self.t[nodes], values[nodes]).at(t)[0]
+        best, slope = _Interpolation(self.t[nodes], values[nodes]).at(t)
+        # Lengths have the rounding of the whole one.
+        along = (unsure + float(np.finfo(float).eps * self.t[-1])) * np.abs(slope)
         if (at_node := self.t[nodes] == t).any():
-            return values[nodes[at_node][0]], np.zeros_like(best)
+            return values[nodes[at_node][0]], along
         a, b = values[segment], values[segment + 1]
         length = self.t[segment + 1] - self.t[segment]
         theta = (t - self.t[segment]) / length
@@ -284,7 +298,7 @@ class Curve:
             else np.abs(slopes[0])
         )
         off = abs(theta * (1.0 - theta)) * length * bend
-        return best, UNSURE * (off + np.abs(best - (a + theta * (b - a))))
+        return best, UNSURE * (off + np.abs(best - (a + theta * (b - a)))) + along
 
     def claims_at(self, segment: int) -> np.ndarray:
         """The larger claims of the rows at both ends of a segment, shape (number of names,)."""

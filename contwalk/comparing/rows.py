@@ -58,11 +58,12 @@ def moved(own: Curve, places: Sequence[Met], side: str) -> Iterator[Difference]:
         if place.curve is None or place.foot.beyond > 0.0 or not place.foot.on:
             continue
         curve, foot, row = place.curve, place.foot, place.row
-        there, spread = curve.at(curve.values[curve.rows], foot.segment, foot.t)
+        unsure = curve.unsure(own.claims[row], foot.segment)
+        there, spread = curve.at(curve.values[curve.rows], foot.segment, foot.t, unsure)
         allowed = own.claims[row] + curve.claims_at(foot.segment) + spread
         gap = np.abs(own.values[row] - there)
         checks = list(zip(own.names, own.values[row], there, gap, allowed, strict=True))
-        checks += _leads(lead, curve, foot, row)
+        checks += _leads(lead, curve, foot, row, unsure)
         for name, value, other, difference, most in checks:
             if not difference > most:
                 continue
@@ -85,10 +86,10 @@ def from_lead(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _leads(
-    own: tuple[np.ndarray, np.ndarray], curve: Curve, foot: Foot, row: int
+    own: tuple[np.ndarray, np.ndarray], curve: Curve, foot: Foot, row: int, unsure: float
 ) -> list[tuple[str, float, float, float, float]]:
     value, claim = own[0][row], own[1][row]
-    there, spread = curve.at(curve.lead, foot.segment, foot.t)
+    there, spread = curve.at(curve.lead, foot.segment, foot.t, unsure)
     claims = from_lead(curve)[1][curve.rows[[foot.segment, min(foot.segment + 1, len(curve) - 1)]]]
     most = claim + float(np.max(claims)) + float(spread)
     gap = abs(float(value) - float(there))
