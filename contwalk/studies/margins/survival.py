@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,12 +14,11 @@ from contwalk.flow.hybrid.motion_events import TIME_UP, MotionEvents, Standpoint
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.studies.margins.consistency import placed
 from contwalk.studies.margins.solution import Instant, Solution
-from contwalk.system import Symmetry, System, Transition
-from contwalk.system.names import free_name
+from contwalk.system import Symmetry, System
+from contwalk.system.falling import FALLEN, falls, name_of_fall
 
 # How motions end: reason codes. All but the first are failures.
 SURVIVED = "survived"
-FALLEN = "fallen"
 ENDED = "ended"
 ACCUMULATED = "events_accumulate"
 LEFT = "left_sequence"
@@ -79,8 +78,8 @@ class Survival:
     rule: Rule
 
     def __post_init__(self) -> None:
-        self._falling = free_name("fallen", {transition.name for transition in self.system.transitions})
-        self.machine = hybrid_machine(_falling(self.system, self._falling), self.solution.parameters)
+        self._falling = name_of_fall(self.system)
+        self.machine = hybrid_machine(_falling(self.system), self.solution.parameters)
         self._hard = {t.name for t in self.system.transitions if t.role == "hard"}
         control = Control(self.rule.tolerance, self.solution.magnitudes, self.rule.method, watched=False)
         self._motion = MotionEvents(self.machine, control, {self._falling})
@@ -165,25 +164,19 @@ class Survival:
         return float(np.sqrt((nearest**2).sum(axis=1).min()))
 
 
-def _falling(system: System, name: str) -> System:
+def _falling(system: System) -> System:
     """What moves the machine, and that it falls, in each mode."""
-    acting, fallen = system.acting, system.fallen
-    falls = [] if fallen is None else [_falls(name, mode.name, fallen) for mode in system.modes]
+    acting = system.acting
     known = {transition.name for transition in acting}
     return replace(
         system,
-        transitions=(*acting, *falls),
+        transitions=(*acting, *falls(system)),
         symmetries=tuple(_among(symmetry, known) for symmetry in system.symmetries),
         observables=(),
         signals=(),
         conditions=(),
         study=None,
     )
-
-
-def _falls(name: str, mode: str, fallen: Callable[..., float]) -> Transition:
-    """It has fallen too where it begins to be in the mode like that."""
-    return Transition(name, mode, mode, fallen, "rising", level=True)
 
 
 def _among(symmetry: Symmetry, known: Collection[str]) -> Symmetry:
