@@ -24,10 +24,13 @@ class Settling:
     periods : sequence of float or None
         Periods of the states that are angles. One that turns round and round has no extremes and is not
         looked at: its speed, a state too, tells.
+    neutral : sequence of bool, optional
+        States that are not looked at, since nothing depends on them: how far a walker has come.
     """
 
-    def __init__(self, periods: Sequence[float | None]) -> None:
+    def __init__(self, periods: Sequence[float | None], neutral: Sequence[bool] = ()) -> None:
         self._turn = np.array([np.inf if period is None else period for period in periods])
+        self._neutral = np.array(neutral or [False] * len(self._turn))
         self._before: np.ndarray | None = None
         self._low = np.full(len(self._turn), np.inf)
         self._high = -self._low
@@ -44,7 +47,7 @@ class Settling:
         if self._steps < self._window:
             return False
         turning = self._high - self._low > self._turn
-        now = np.where(turning, 0.0, np.stack([self._low, self._high]))
+        now = np.where(turning | self._neutral, 0.0, np.stack([self._low, self._high]))
         same = False
         if self._before is not None:
             same = bool((np.abs(now - self._before) <= TOLERANCE * self._magnitude).all())
