@@ -30,6 +30,9 @@ def command(
     With output X.h5 it writes X_trajectory.h5, X_trajectory.csv, X_events.csv and the figures, such as
     X_time_series.png.
 
+    A motion ends where the machine has fallen, if its plugin says when it has. Where a start simulates, the
+    motion sets out from its state.
+
     Exit codes: 0; 1 if the motion ended early (everything before is stored); 2 for bad input.
     """
     from contwalk.cli.entry import say
@@ -51,6 +54,7 @@ def command(
 def _print(out: Console, run: SimulationFile, result: SimulationResult) -> None:
     from contwalk.cli.terminal import line
     from contwalk.cli.words import choices, exact, plural
+    from contwalk.system.falling import FALLEN
 
     system, motion = run.system, result.trajectory
     chosen = choices(system.model)
@@ -65,7 +69,11 @@ def _print(out: Console, run: SimulationFile, result: SimulationResult) -> None:
     )
     several = len(motion.mode_names) > 1
     mode = f" in mode {motion.mode_names[motion.modes[-1]]}" if several else ""
-    line(out, f"end{mode}: {ends}", indent=4)
+    if motion.status == FALLEN:
+        where = f"at t = {exact(motion.times[-1])}{mode}, with {ends}"
+        line(out, f"the machine has fallen, and the motion ends, {where}", indent=4)
+    else:
+        line(out, f"end{mode}: {ends}", indent=4)
     _print_events(out, motion)
     if result.note:
         line(out, f"note: {result.note}", indent=4)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.flow.events.crossings import Event
+from contwalk.flow.events.settling import Settling
+from contwalk.system import System
 
 LONGEST = 500_000  # steps, after which a motion that has not settled is given up
 PARTS = 4  # samples to a step where extremes are looked for
@@ -25,7 +27,8 @@ class Simulated:
         Positions of the modes in the system.
     events : list of Event
     status, reason : str
-        `ok`, or why it ended early, with a sentence where more than the status is known.
+        `ok`, `fallen` where the plugin says so of its end, or why it ended early, with a sentence where more
+        than the status is known.
     settled : bool or None
         None where nobody asked.
     steps, evaluations : int
@@ -47,6 +50,14 @@ class Simulated:
     evaluations: int
     note: str = ""
     drawn: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+
+
+def settling_of(system: System) -> Settling:
+    """What says that a motion repeats itself, wherever it is along a neutral direction."""
+    held = {neutral.pin for neutral in system.neutral}
+    return Settling(
+        [state.period for state in system.states], [state.name in held for state in system.states]
+    )
 
 
 def drawn_at(steps: np.ndarray, points: int) -> np.ndarray:

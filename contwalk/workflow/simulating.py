@@ -13,6 +13,7 @@ from contwalk.errors import ContwalkError, NotFinite
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.equilibrium.declared import named_equilibria
 from contwalk.storage.failures import failures_of
+from contwalk.system.falling import FALLEN
 from contwalk.workflow.made_with import made_with
 from contwalk.workflow.quantities import listed, values_along
 from contwalk.workflow.run_file.figures import FigureSpec
@@ -110,7 +111,7 @@ def start_of(system: Any, spec: StartSpec) -> tuple[np.ndarray, dict[str, float]
         For an equilibrium that does not exist there, and a stored point that cannot be read.
     """
     parameters = dict(spec.parameters)
-    if spec.kind == "state" and spec.state is not None:
+    if spec.state is not None:
         return np.array(spec.state, dtype=float), parameters, None
     if spec.kind == "from":
         from contwalk.workflow.stored.points import stored_point
@@ -130,9 +131,8 @@ def _smoothly(
     """The motion of a machine of one mode, on which nothing acts but its field."""
     from contwalk.flow import dense
     from contwalk.flow.events.motion import magnitudes, segment_parts
-    from contwalk.flow.events.settling import Settling
     from contwalk.flow.hybrid.functions_without_value import line_without_value
-    from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
+    from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at, settling_of
 
     system, settings = run.system, run.simulation
     machine = _machine(run, parameters)
@@ -146,7 +146,7 @@ def _smoothly(
     settles = settings.until == "settled"
     end = np.inf if settles else float(settings.until)
     weights = magnitudes(machine, 0.0, state, end, [s.scale for s in system.states], settings.method)
-    settling = Settling([s.period for s in system.states])
+    settling = settling_of(system)
     parts, settled, status = [], False, "ok"
     for part in segment_parts(machine, 0.0, state, end, settings.tolerance, weights, settings.method):
         parts.append(part)
@@ -332,8 +332,8 @@ def _with_gaps(run: SimulationFile, trajectory: Any, names: Sequence[str]) -> tu
 
 
 def why(status: str, t: float, reason: str = "") -> ContwalkError | None:
-    """The error for a motion that ended before its time; None where it did not."""
-    if status == "ok":
+    """The error for a motion that cannot go on; None where it has not ended early, or has fallen."""
+    if status in ("ok", FALLEN):
         return None
     if status in ("chatter", "sticking") or (status == "not_finite" and reason):
         return NotFinite(f"The motion ended early. {reason}", "What came before is stored.")

@@ -9,7 +9,6 @@ import numpy as np
 
 from contwalk.flow import dense
 from contwalk.flow.events.crossings import Event
-from contwalk.flow.events.settling import Settling
 from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, applied, hybrid_machine, parts
@@ -19,10 +18,11 @@ from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.problems.orbit.layout import Layout
 from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.system import System, Transition
+from contwalk.system.falling import FALLEN, falls, name_of_fall
 from contwalk.system.names import free_name
 from contwalk.workflow.run_file.motions import Simulation
 from contwalk.workflow.run_file.settings import ReportAt
-from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
+from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at, settling_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ def simulated(
     place: ReportAt | None,
     progress: Callable[[float], None],
 ) -> Simulated:
-    """The motion until a time, or until it has settled.
+    """The motion until a time, until it has settled, or until the machine has fallen.
 
     Raises
     ------
@@ -76,7 +76,9 @@ def simulated(
         If all guards are past zero at the start, and none comes back.
     """
     watching, names = _with_sections(system, place)
-    machine = hybrid_machine(watching, parameters)
+    fall = name_of_fall(watching)
+    falling = replace(watching, transitions=(*watching.transitions, *falls(watching)))
+    machine = hybrid_machine(falling, parameters)
     method, points = asked.method, asked.points
     settles, start = asked.until == "settled", beginning.time
     end = np.inf if settles else start + float(asked.until)
@@ -87,15 +89,19 @@ def simulated(
     if beginning.at is not None:
         given = machine.existing(beginning.mode, beginning.state)
         check_on_guard(machine, machine.transition(beginning.at, beginning.mode), start, given, weights)
-    settling, settled = Settling([s.period for s in system.states]), False
+    settling, settled = settling_of(system), False
     steps = 0
-    note = "" if last else past_zero(machine, start, state, mode, weights)
+    note = "" if last else past_zero(machine, start, state, mode, weights, (fall,))
     control = Control(asked.tolerance, weights, method)
     for part in parts(machine, start, state, mode, end, control, last):
+        if part.transition == fall:
+            part = replace(part, transition=None, after=None, status=FALLEN, reason="")
         found.append(part)
         progress(float(part.times[-1]))
         own = len(part.times) - 1
         steps += own
+        if part.status == FALLEN:
+            break
         if settles and own:
             even = np.linspace(part.times[0], part.times[-1], PARTS * own + 1)
             settled = settling.add(_between(machine, part, even, method), own)

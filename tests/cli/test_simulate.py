@@ -136,7 +136,6 @@ def test_files_that_exist_are_kept_unless_told_otherwise(contwalk, spring):
         ("simulate.method=euler", "Allowed: dop853, verner98, radau5, radau9"),
         ("simulate.tolerance=1e-20", "finer than double precision"),
         ("simulate.untill=3", "Did you mean 'until'"),
-        ("start={simulate: {state: {x: 1, v: 0}}}", "for contwalk continue"),
         ("start=null", "the key is missing"),
         ("start=[{equilibrium: rest}, {state: {x: 1, v: 0}}]", "has 2 starts"),
         ("figures=[{phase_portrait: {x: x}}]", "says of no plane"),

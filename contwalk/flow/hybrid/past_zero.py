@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from contwalk.errors import StartError
@@ -15,7 +17,14 @@ from contwalk.flow.hybrid.motions import parts
 LOOK_AHEAD, TOLERANCE = 1000, 1e-6
 
 
-def past_zero(machine: HybridMachine, t: float, x: np.ndarray, mode: str, weights: np.ndarray) -> str:
+def past_zero(
+    machine: HybridMachine,
+    t: float,
+    x: np.ndarray,
+    mode: str,
+    weights: np.ndarray,
+    ends: Collection[str] = (),
+) -> str:
     """A sentence on guards that are past zero at a start, and so no events yet; empty if none is.
 
     Parameters
@@ -25,6 +34,8 @@ def past_zero(machine: HybridMachine, t: float, x: np.ndarray, mode: str, weight
         Time, full-length state and mode of the start.
     weights : ndarray, shape (n,)
         Typical magnitudes of the states, of full length.
+    ends : collection of str
+        Transitions that are no events of the machine: they end its motions.
 
     Raises
     ------
@@ -33,8 +44,8 @@ def past_zero(machine: HybridMachine, t: float, x: np.ndarray, mode: str, weight
     """
     flow = machine.mode(mode)
     past = _past(flow, t, x, weights)
-    acting = [i for i in range(len(flow.transitions)) if flow.acting(i)]
-    if past and len(past) == len(acting) and not _come_back(machine, t, x, flow, weights):
+    acting = [i for i, each in enumerate(flow.transitions) if flow.acting(i) and each.name not in ends]
+    if past and len(past) == len(acting) and not _come_back(machine, t, x, flow, weights, ends):
         number, guard = next(iter(past.items()))
         name = flow.transitions[number].name
         side = "positive" if guard.value < 0.0 else "negative"
@@ -68,12 +79,21 @@ def _past(flow: ModeFlow, t: float, x: np.ndarray, weights: np.ndarray) -> dict[
     }
 
 
-def _come_back(machine: HybridMachine, t: float, x: np.ndarray, flow: ModeFlow, weights: np.ndarray) -> bool:
+def _come_back(
+    machine: HybridMachine,
+    t: float,
+    x: np.ndarray,
+    flow: ModeFlow,
+    weights: np.ndarray,
+    ends: Collection[str],
+) -> bool:
     """Whether one of the guards that are past zero is not so any more a little later."""
     steps, count = 0, len(_past(flow, t, x, weights))
     for part in parts(machine, t, x, flow.name, np.inf, Control(TOLERANCE, weights)):
         steps += len(part.times) - 1
         reached = float(part.times[-1]), part.states[-1]
+        if part.transition in ends:
+            return False
         if part.transition is not None or len(_past(flow, *reached, weights)) < count:
             return True
         if steps >= LOOK_AHEAD or part.status != "ok":

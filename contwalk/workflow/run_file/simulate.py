@@ -45,8 +45,9 @@ class SimulationFile(MotionFile):
 
     @property
     def smooth(self) -> bool:
-        """Whether there is one mode, and nothing acts on it but its field."""
-        return len(self.system.modes) == 1 and not self.system.acting
+        """Whether there is one mode, nothing acts on it but its field, and nothing ends its motions."""
+        system = self.system
+        return len(system.modes) == 1 and not system.acting and system.fallen is None
 
 
 def read_simulation(
@@ -92,16 +93,12 @@ def only_start(
     parameters: Mapping[str, float],
     given: Mapping[str, float],
 ) -> StartSpec | None:
-    """The one start of a file; a problem is noted where there is none, or more than one."""
+    """The one start of a file; a problem is noted where there is none, or more than one.
+
+    Of one that a run simulates to come to its first solution it is the state that sets out.
+    """
     need_start(problems, model)
     starts = StartReader(problems, system, base, parameters, given, (), settable=True).read(model.start)
-    for index, spec in enumerate(model.start):
-        if spec.simulate is not None:
-            problems.add(
-                ("start", index, "simulate"),
-                "leads to an orbit, for contwalk continue.",
-                "Give {state: {...}}, {equilibrium: NAME} or {from: other.h5, point: b1/HB1}.",
-            )
     if len(starts) > 1:
         names = [spec.name for spec in starts if spec.name is not None]
         problems.add(
