@@ -87,8 +87,11 @@ def _children(branches: Sequence[Branch]) -> dict[tuple[str, float] | None, list
 
 
 def _alike(a: Branch, b: Branch) -> bool:
-    """Whether two branches may be the same one: of one kind, from one start, at the same fixed parameters."""
-    fixed = [name for name in a.info.parameters if name not in a.info.free]
-    equal = all(a.info.parameters[name] == b.info.parameters.get(name) for name in fixed)
+    """Whether two branches may be the same one: of one kind, from one start, at the same fixed parameters.
+
+    Other models may have other parameters: those count that both have.
+    """
+    fixed = [name for name in a.info.parameters if name not in a.info.free and name in b.info.parameters]
+    equal = all(a.info.parameters[name] == b.info.parameters[name] for name in fixed)
     started = a.info.parent is not None or a.info.origin == b.info.origin
     return a.info.problem == b.info.problem and a.info.closure == b.info.closure and equal and started

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -37,6 +38,8 @@ class Simulated:
     drawn : tuple of ndarray, optional
         Times, states and modes for figures, so near to each other that curves have no corners; those that are
         stored if there are none.
+    parameters : mapping
+        Values of all parameters.
     """
 
     times: np.ndarray
@@ -50,6 +53,7 @@ class Simulated:
     evaluations: int
     note: str = ""
     drawn: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
 
 
 def settling_of(system: System) -> Settling:

@@ -85,13 +85,8 @@ def simulate(
     tables = [run.file("trajectory.csv"), run.file("events.csv")]
     database = run.file("trajectory.h5")
     refuse_existing([database, *tables, *(path for _, path in names)], force)
-    state, parameters, itinerary = start_of(run.system, run.start)
-    report = progress or (lambda t: None)
-    if run.smooth:
-        motion = _smoothly(run, state + run.perturbation, parameters, report)
-    else:
-        motion = _through_transitions(run, state, itinerary, parameters, report)
-    trajectory = _trajectory(run, parameters, motion)
+    motion = moved(run, progress)
+    trajectory = _trajectory(run, motion)
     write_trajectory(database, trajectory)
     _write_tables(trajectory, tables)
     fine = trajectory
@@ -100,6 +95,25 @@ def simulate(
     drawn = [_drawn(run, spec, path, fine) for spec, path in names]
     counts = motion.settled, motion.steps, motion.evaluations
     return SimulationResult(trajectory, [database, *tables], drawn, *counts, motion.reason, motion.note)
+
+
+def moved(run: SimulationFile, progress: Callable[[float], None] | None = None) -> Simulated:
+    """The motion that a run file describes; nothing is written.
+
+    `progress` is told the time that has been reached.
+
+    Raises
+    ------
+    ContwalkError
+        For a start that is none, and a field without a value there.
+    """
+    state, parameters, itinerary = start_of(run.system, run.start)
+    report = progress or (lambda t: None)
+    if run.smooth:
+        motion = _smoothly(run, state + run.perturbation, parameters, report)
+    else:
+        motion = _through_transitions(run, state, itinerary, parameters, report)
+    return replace(motion, parameters=parameters)
 
 
 def start_of(system: Any, spec: StartSpec) -> tuple[np.ndarray, dict[str, float], StoredItinerary | None]:
@@ -198,7 +212,7 @@ def _through_transitions(
         return simulated(run.system, parameters, beginning, run.simulation, run.report_at, progress)
 
 
-def _trajectory(run: SimulationFile, parameters: Mapping[str, float], motion: Simulated) -> Any:
+def _trajectory(run: SimulationFile, motion: Simulated) -> Any:
     """The motion as it is stored."""
     from contwalk.storage.trajectory import Trajectory
 
@@ -206,7 +220,7 @@ def _trajectory(run: SimulationFile, parameters: Mapping[str, float], motion: Si
     return Trajectory(
         system=system.name,
         states=system.state_names,
-        parameters=dict(parameters),
+        parameters=dict(motion.parameters),
         times=motion.times,
         values=motion.values,
         modes=motion.modes,

@@ -16,6 +16,7 @@ from contwalk.cli.entry import run
 from contwalk.storage.trajectory import read_margins
 from contwalk.studies.margins import survival
 from contwalk.workflow import margin_rays
+from contwalk.workflow.tradeoff import measuring
 
 # A damped oscillator that has fallen beyond x = wall, and a ball in one of the wells of x'' = x - x^3.
 PLUGIN = """\
@@ -104,6 +105,21 @@ def test_a_linear_oscillator_beside_a_wall(contwalk, oscillator):
     with open("oscillator_margins.csv", newline="", encoding="utf-8") as file:
         table = list(csv.DictReader(file))
     assert {(r["state"], int(r["sign"])): float(r["border"]) for r in table} == borders("oscillator")
+
+
+def test_what_a_tolerance_costs_and_what_it_does_to_borders(contwalk, oscillator, monkeypatch):
+    """The borders do not depend on the tolerance to more than it, and so the times of few digits are free."""
+    monkeypatch.setattr(measuring, "REPEATS", measuring.LEAST)
+    given = ["--accuracies", "1e-6,1e-10", "--methods", "dop853", "--set", "margins.accuracy=0.001"]
+    done = contwalk("tradeoff", "oscillator.yaml", "--of", "margins", *given)
+    assert (done.code, done.err) == (0, "")
+    with open("oscillator_tradeoff.csv", newline="", encoding="utf-8") as file:
+        table = list(csv.DictReader(file))
+    assert [row["tolerance"] for row in table] == ["1e-06", "1e-10"]
+    assert {"error x+ at 0", "error x- at 0", "error v+ at 0", "error v- at 0"} <= set(table[0])
+    assert all(float(row["worst_error"]) <= 0.001 for row in table)
+    assert "4 borders to 1e-05 by verner98" in done.out
+    assert "margins: {tolerance: 1e-" in done.out
 
 
 def test_a_well_by_its_energy(contwalk, folder):

@@ -37,11 +37,14 @@ class SimulationFile(MotionFile):
         The section itself.
     report_at : ReportAt, optional
         A section whose crossings are events too.
+    accuracy : float
+        What results are to be known to.
     """
 
     perturbation: np.ndarray
     simulation: Simulation
     report_at: ReportAt | None
+    accuracy: float
 
     @property
     def smooth(self) -> bool:
@@ -80,6 +83,7 @@ def read_simulation(
         perturbation=perturbation,
         simulation=simulation,
         report_at=place,
+        accuracy=model.accuracy,
         output=output_of(path, output, model.output),
         figures=figures,
     )

@@ -1,0 +1,1 @@
+"""What accuracy, an integrator or a model costs, measured: branches, a motion, margins."""
