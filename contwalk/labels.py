@@ -20,6 +20,7 @@ MEANINGS = {
     "GR": "grazing",
     "OC": "event-order change",
     "AZ": "admissibility limit",
+    "BE": "boundary equilibrium",
 }
 
 # Those of equilibria at which the number of unstable directions, or of solutions, changes.
@@ -54,5 +55,5 @@ OF_LOCI = {
 EVERY_MEANING = ChainMap(OF_LOCI, MEANINGS)  # in the order of the second, then of the first
 
 # What is done at limits, and the points whose branches are followed, where nothing is said of that.
-AT_LIMITS = {"GR": "stop", "OC": "switch", "AZ": "ignore"}
+AT_LIMITS = {"GR": "stop", "OC": "switch", "AZ": "ignore", "BE": "stop"}
 FOLLOWED = frozenset({"BP"})

@@ -25,7 +25,7 @@ from contwalk.labels import EVERY_MEANING
 # Points of one label this near, in parts of the branch's range, are one; farther ones are two.
 ONE_POINT = 0.05
 # At these a margin is zero, and which side of it a point is told on is rounding.
-ON_BORDER = ("AZ", "GR", "OC")
+ON_BORDER = ("AZ", "BE", "GR", "OC")
 LOCATED = "located"
 
 

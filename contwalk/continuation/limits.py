@@ -22,6 +22,8 @@ from contwalk.problems.problem import Limit, Located, Problem
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
 BORN, ROUNDED = 1e-7, 1e-10
+# What tells that a limit is passed from beyond, among the vectors of its point.
+ENTERED = "entered"
 # Across a bracket this narrow a margin that still changes by this part of what it is jumps; so does one that
 # changes by this much across the narrowest.
 NARROW, JUMPS = 1e-3, 0.05
@@ -69,11 +71,20 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
         if point is not None and not any(point is known for known in found):
             # What its equations have found it to be may be another limit than the one that led to it.
             other = limited.limits[int(point.located.vectors["limit"])]
-            found.append(replace(point, type=other.type))
+            found.append(
+                replace(point, type=other.type, located=_with_way(point.located, other, first, last))
+            )
     for which, reason in lost.items():  # told by the leg that vanishes where they pass zero
         if not any(which in point.located.vectors.get("vanishing", ()) for point in found):
             raise reason
     return sorted(found, key=lambda f: f.theta)
+
+
+def _with_way(located: Located, limit: Limit, first: float, last: float) -> Located:
+    """A located limit that says whether it is passed from beyond, where that makes a difference."""
+    if not (limit.type.entered and first < 0.0 < last):
+        return located
+    return replace(located, vectors={**located.vectors, ENTERED: True})
 
 
 def _changed(a: np.ndarray, b: np.ndarray, begins: bool) -> list[int]:
@@ -204,6 +215,8 @@ def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str
     A watched transition does nothing, so there is nothing to switch to. A terminal grazing cannot be ignored:
     beyond it the orbit's own event happens earlier, and no orbit of this itinerary is the machine's.
     """
+    if ENTERED in located.vectors:
+        return "ignore"
     limit = limits_of(problem)[int(located.vectors["limit"])]
     asked = events.get(limit.type.like or limit.type.label, "ignore")
     if limit.type.declared:

@@ -85,7 +85,7 @@ def limit(point: LimitType, final: bool, asked: str, words: str) -> Outcome:
     ways = [] if final else [f"--set events.{label}=ignore goes on past it"]
     # A limit that is told under another label is one of a curve: no other curve is begun at it.
     if not (point.declared or point.like):
-        ways.append(f"--set events.{label}=switch goes on to orbits of another signature")
+        ways.append(f"--set events.{label}=switch goes on to {point.beyond}")
     return Outcome("stopped", reason, " ".join([words, *(f"{way}." for way in ways)]))
 
 

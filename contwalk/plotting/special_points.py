@@ -24,6 +24,7 @@ MARKERS: dict[str, Any] = {
     "GR": "*",
     "OC": "P",
     "AZ": "X",
+    "BE": "H",
     "CP": "<",
     "BT": ">",
     "GH": "p",

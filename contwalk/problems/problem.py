@@ -186,12 +186,18 @@ class LimitType(PointType):
         Whether two that coincide are one.
     declared : bool
         Whether nothing happens there but that something is no longer as it was declared to be.
+    entered : bool
+        Whether a branch that comes from beyond goes on: what it becomes is the machine's.
+    beyond : str
+        What a branch goes on to where it switches.
     """
 
     reason: ClassVar[str]
     like: ClassVar[str] = ""
     shared: ClassVar[bool] = False
     declared: ClassVar[bool] = False
+    entered: ClassVar[bool] = False
+    beyond: ClassVar[str] = "orbits of another signature"
 
 
 class Limit(Protocol):

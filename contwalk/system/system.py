@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -154,6 +154,12 @@ class System(Declared):
     @cached_property
     def _modes(self) -> dict[str, Mode]:
         return {mode.name: mode for mode in self.modes}
+
+    def beginning_in(self, mode: str) -> System:
+        """The same system with another mode as the first one: that of its equilibria."""
+        if mode == self.modes[0].name:
+            return self
+        return replace(self, modes=tuple(sorted(self.modes, key=lambda each: each.name != mode)))
 
     def states_of(self, mode: str) -> tuple[int, ...]:
         """Positions of the states that exist in a mode, in the order of the states."""

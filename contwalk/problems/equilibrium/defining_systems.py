@@ -14,7 +14,7 @@ mark of `max_re`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -134,9 +134,13 @@ def real_eigenvalue(
 
 
 def observed(
-    problem: EquilibriumEquations, sample: Sample, kernels: tuple[Kernel, Kernel], level: float
+    problem: EquilibriumEquations,
+    sample: Sample,
+    kernels: tuple[Kernel, Kernel],
+    level: float,
+    vectors: Mapping[str, Any] | None = None,
 ) -> Located | None:
-    """The point near a sample at which an observable has the value `level`."""
+    """The point near a sample at which an observable has the value `level`, with some vectors."""
     value, gradient = kernels
 
     def residual(u: np.ndarray) -> np.ndarray:
@@ -151,6 +155,6 @@ def observed(
         return [*problem.kernels.residual.exactly(*inputs), value.exactly(*inputs)[0] - level]
 
     def described(found: Solution) -> Located:
-        return Located(found.values, float(found.errors[-1]), {}, found.refined)
+        return Located(found.values, float(found.errors[-1]), dict(vectors or {}), found.refined)
 
     return solve(DefiningSystem(sample.weights, residual, jacobian, exactly), sample.z, described)

@@ -306,14 +306,19 @@ class Equations:
             shape=(self.states, self.states),
         )
 
-    def of_observable(self, function: Callable[..., Any]) -> tuple[Kernel, Kernel]:
-        """An observable's value, shape (1,), and its gradient by z, shape (N + 1,), at an equilibrium."""
+    def of_function(self, function: Callable[..., Any], along: bool) -> tuple[Kernel, Kernel]:
+        """A function's value, shape (1,), and its gradient by z, shape (N + 1,), at an equilibrium.
+
+        `along`: it takes instants and states of a motion, as observables do, and not one of each, as guards.
+        """
         copy = rebound(function)
 
         def value(tracer: Tracer) -> list[Any]:
-            x = state_symbols(tracer, self.states).reshape(1, self.states)
+            x = state_symbols(tracer, self.states)
             # The numbers of unknowns agree with `program`, so that graphs have the same inputs.
-            return [copy(np.zeros(1), x, self._parameters(tracer))]
+            if along:
+                return [copy(np.zeros(1), x.reshape(1, self.states), self._parameters(tracer))]
+            return [copy(0.0, x, self._parameters(tracer))]
 
         program = trace(value)
         kept, graph = KeptKernels(program, __name__), program.graph

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,15 +16,16 @@ from contwalk.problems.capabilities import OwnMeasures
 from contwalk.problems.equilibrium import defining_systems as defining
 from contwalk.problems.equilibrium import mirror as mirrors
 from contwalk.problems.equilibrium import vertical
+from contwalk.problems.equilibrium.boundaries import boundaries_of
 from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
+from contwalk.problems.equilibrium.mode_limits import ModeLimits
 from contwalk.problems.equilibrium.points.catalogue import POINT_TYPES
 from contwalk.problems.equilibrium.points.hopf import hopf
 from contwalk.problems.equilibrium.sampling import sampled
 from contwalk.problems.held_quantities import sloping
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends
-from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample
 from contwalk.system import Neutral, System
 
@@ -54,12 +56,28 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
     point_types = POINT_TYPES
     # Its equations are exact and the same everywhere, and its solutions always the system's.
     anchored = meshed = None
-    limited = None
 
     @property
     def diagnosis(self) -> EquilibriumDiagnosis:
         """What is known of places where a branch ends, or cannot go on."""
         return EquilibriumDiagnosis(self)
+
+    @cached_property
+    def limited(self) -> ModeLimits | None:
+        """The guards that its mode may reach; None of a system without events."""
+        return ModeLimits(self) if boundaries_of(self.system) else None
+
+    def in_mode(self, name: str) -> Equilibrium:
+        """The same problem of the field of another mode, in which all states exist."""
+        return Equilibrium(
+            self.system.beginning_in(name),
+            self.parameters,
+            self.free,
+            self.line.ends,
+            self.pins,
+            self.reference,
+            self.discretization,
+        )
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -101,7 +119,7 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
             error=error,
             still=found.still,
             observables=self.observables(z, found),
-            forbidden=passed_over(self.system, np.zeros(1), z[None, : self.states], self.values_of(z)),
+            **({} if self.limited is None else {"margins": self.limited.margins(z, weights)}),
         )
 
     def spectrum(
@@ -136,8 +154,13 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
             "observables": self.observable_names,
             "unknowns": self.size,
             "spectrum": max(self.states - len(self.pins), 1),
-            "settings": neutrals.kept(self.pins, self.line, self.states),
+            "settings": neutrals.kept(self.pins, self.line, self.states) | self._mode_kept(),
         }
+
+    def _mode_kept(self) -> dict[str, str]:
+        """Of which mode they are, where the system has several."""
+        modes = self.system.modes
+        return {"mode": modes[0].name} if len(modes) > 1 else {}
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""

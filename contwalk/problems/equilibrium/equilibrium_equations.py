@@ -76,6 +76,7 @@ class EquilibriumEquations(Problem):
         self._scales = [scale for _, scale in declared]
         self.kernels = equations_of(system, self.line.own, self.line.moving, self.pins, second)
         self._observables: dict[str, tuple[Kernel, Kernel]] = {}
+        self._guards: dict[str, tuple[Kernel, Kernel]] = {}
         others = self.kernels.unknowns + 1 - self.states
         self.periods = np.array([s.period or 0.0 for s in system.states] + [0.0] * others)
 
@@ -83,6 +84,10 @@ class EquilibriumEquations(Problem):
     def evaluations(self) -> int:
         """Right-hand sides evaluated so far."""
         return self._evaluations
+
+    def in_mode(self, name: str) -> EquilibriumEquations:
+        """The same equations of the field of another mode, in which all states exist."""
+        raise NotImplementedError("curves of equilibria keep to their mode")
 
     def _held_values(self) -> list[float]:
         """Reference values of the pins, in the order in which `Equations` reads them."""
@@ -177,8 +182,15 @@ class EquilibriumEquations(Problem):
         """Value and gradient of a declared observable."""
         if name not in self._observables:
             function = next(o.function for o in self.system.observables if o.name == name)
-            self._observables[name] = self.kernels.of_observable(function)
+            self._observables[name] = self.kernels.of_function(function, along=True)
         return self._observables[name]
+
+    def guard_kernels(self, name: str) -> tuple[Kernel, Kernel]:
+        """Value and gradient by z of a transition's guard."""
+        if name not in self._guards:
+            guard = next(each.guard for each in self.system.transitions if each.name == name)
+            self._guards[name] = self.kernels.of_function(guard, along=False)
+        return self._guards[name]
 
     def measured(self, z: np.ndarray) -> list[float]:
         """Values of the system's observables at z, shape (N + 1,), in the order of their declaration."""

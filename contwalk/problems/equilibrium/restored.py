@@ -7,9 +7,10 @@ from contwalk.problems.restoring import Facts
 
 
 def restored(facts: Facts) -> Equilibrium:
-    """The problem of a stored branch of equilibria."""
+    """The problem of a stored branch of equilibria, of the mode that it is of."""
+    mode = facts.info.settings.get("mode")
     return Equilibrium(
-        facts.system,
+        facts.system if mode is None else facts.system.beginning_in(str(mode)),
         facts.parameters,
         facts.free,
         facts.ends,

@@ -154,6 +154,7 @@ class Events(Section):
     GR: Action = Field(default="stop", description="stop, ignore or switch")
     OC: Action = Field(default="switch", description="stop, ignore or switch")
     AZ: Action = Field(default="ignore", description="stop, ignore or switch")
+    BE: Action = Field(default="stop", description="stop, ignore or switch")
 
 
 class ReportPlace(Section):
@@ -280,7 +281,7 @@ class RunModel(Section):
         str,
         Annotated[tuple[MarkValue, ...], BeforeValidator(as_tuple)],
     ] = Field(default={}, description="{parameter or observable: [values, extremum]}")
-    events: Events = Field(default=Events(), description="{GR: stop, OC: switch, AZ: ignore}")
+    events: Events = Field(default=Events(), description="{GR: stop, OC: switch, AZ: ignore, BE: stop}")
     report_at: ReportPlace | None = Field(
         default=None,
         description="{event: NAME, side: before} or {section: {STATE: VALUE}, direction: rising}",

@@ -73,7 +73,7 @@ class RunFile:
     follow, depth : frozenset of str, int
         Labels whose new branches are followed, and how many generations.
     events : mapping
-        `stop`, `ignore` or `switch` for each of GR, OC, AZ.
+        `stop`, `ignore` or `switch` for each of GR, OC, AZ, BE.
     second : tuple of (str, tuple of float), optional
         Of a curve in two parameters the second one, with its range.
     loci : Loci, optional

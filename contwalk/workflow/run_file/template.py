@@ -18,7 +18,7 @@ from contwalk.workflow.run_file.names import FIGURES, FOLLOWED
 _PLAIN = re.compile(r"[./\w][./\w-]*")
 _WORDS_OF_YAML = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 
-_EVENTS = "# events: {GR: stop, OC: switch, AZ: ignore}   # stop, ignore or switch\n"
+_EVENTS = "# events: {GR: stop, OC: switch, AZ: ignore, BE: stop}   # stop, ignore or switch\n"
 _REST = """\
 # The keys below are optional; what stands behind the # is an example or the default.
 # preset: {preset}   # a named parameter set of the system; `parameters` go on top of it

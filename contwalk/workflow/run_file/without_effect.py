@@ -17,6 +17,7 @@ NEEDS = {
     "GR": "an event or a watched transition",
     "OC": "an event that acts",
     "AZ": "a condition, or a watched transition beside an event",
+    "BE": "a transition whose guard is passed in one direction",
 }
 
 
@@ -64,6 +65,7 @@ def _limits(model: RunModel, system: System) -> dict[Key, str]:
         "GR": watched or "hard" in roles,
         "OC": "hard" in roles,
         "AZ": bool(system.conditions) or (watched and "hard" in roles),
+        "BE": any(transition.direction != "both" for transition in system.transitions),
     }
     found: dict[Key, str] = {}
     for label in sorted(model.events.model_fields_set):

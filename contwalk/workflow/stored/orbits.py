@@ -20,8 +20,8 @@ from contwalk.workflow.quantities import values_along
 # Orbits of one branch, and branches, that one figure shows if it is not told which.
 MOST_ORBITS, MOST_BRANCHES = 5, 6
 # Labels whose orbits come after those of bifurcations, in this order; those of limits only where admissible.
-AFTER = {"UZ": 1, "GR": 2, "OC": 3, "AZ": 4, "EP": 5}
-LIMITS = ("GR", "OC", "AZ")
+AFTER = {"UZ": 1, "GR": 2, "OC": 3, "AZ": 4, "BE": 5, "EP": 6}
+LIMITS = ("GR", "OC", "AZ", "BE")
 # Ends of a branch that lie on a bifurcation of another one.
 ENDS_AT_BIFURCATION = ("shrunk", "rejoined")
 # What a picture needs, and a little more.

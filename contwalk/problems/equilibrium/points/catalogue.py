@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contwalk.problems.equilibrium.points.boundary import BOUNDARY_EQUILIBRIUM
 from contwalk.problems.equilibrium.points.branch_point import BranchPoint
 from contwalk.problems.equilibrium.points.fold import Fold
 from contwalk.problems.equilibrium.points.hopf import Hopf
@@ -16,6 +17,7 @@ POINT_TYPES: tuple[EquilibriumPoint, ...] = (
     MultipleZero(),
     KreinCollision(),
     Hopf(),
+    BOUNDARY_EQUILIBRIUM,
     MarkedValue(),
     EndPoint(),
 )

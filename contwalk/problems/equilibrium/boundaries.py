@@ -1,0 +1,71 @@
+"""Guards that an equilibrium of a machine with events may reach: the boundaries of its mode."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
+from contwalk.system import System, Transition
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """A transition out of the mode of an equilibrium; `rank` is its number among these."""
+
+    transition: Transition
+    rank: int
+
+    @property
+    def name(self) -> str:
+        """The transition's."""
+        return self.transition.name
+
+    @property
+    def acts(self) -> bool:
+        """Whether something happens there."""
+        return self.transition.role != "watched"
+
+    @property
+    def side(self) -> float:
+        """The sign of the guard on the mode's side."""
+        return 1.0 if self.transition.direction == "falling" else -1.0
+
+    def gradient(self, problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray:
+        """Of the guard, positive on the mode's side, by z; both of shape (N + 1,)."""
+        return np.asarray(self.side * problem.guard_kernels(self.name)[1](*problem.inputs(z)))
+
+    def rate(self, problem: EquilibriumEquations, z: np.ndarray) -> float:
+        """d(margin)/d(parameter) along the branch of a mode's equilibria; z has the shape (N + 1,).
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If the equations are singular there.
+        """
+        n, gradient, jacobian = problem.size, self.gradient(problem, z), problem.jacobian(z)
+        along = np.linalg.solve(jacobian[:, :n], -jacobian[:, n])
+        return float(gradient[:n] @ along + gradient[n])
+
+
+def boundaries_of(system: System) -> tuple[Boundary, ...]:
+    """Those of the first mode. A guard that may be passed both ways has no side that is the mode's."""
+    leaving = (t for t in system.leaving(system.modes[0].name) if t.direction != "both")
+    return tuple(Boundary(transition, rank) for rank, transition in enumerate(leaving))
+
+
+def margins(
+    problem: EquilibriumEquations, boundaries: Sequence[Boundary], z: np.ndarray, weights: np.ndarray
+) -> np.ndarray:
+    """Guards, positive on the mode's side, in units of what the metric's change them by.
+
+    z and the weights have the shape (N + 1,), the margins one number a boundary.
+    """
+    found, inputs = np.empty(len(boundaries)), problem.inputs(z)
+    for which, boundary in enumerate(boundaries):
+        value, gradient = problem.guard_kernels(boundary.name)
+        unit = float(np.abs(gradient(*inputs)) @ weights)
+        found[which] = boundary.side * float(value(*inputs)[0]) / (unit or 1.0)
+    return found
