@@ -9,9 +9,11 @@ from small_systems import labelled, small_system
 
 import contwalk as cw
 from contwalk.errors import StartError
+from contwalk.problems.initial.recurrence import recurrent
 from contwalk.system import State
 
 ACCURACY = 1e-8
+PERIOD_OF_BRUSSELATOR = 5.61627585  # A = 1.2, B = 3
 
 
 def van_der_pol(t, x, p, dx):
@@ -85,6 +87,20 @@ class TestAmplitude:
         assert cycle.outcome.reason == "bound"
         assert cycle["mu"][-1] == 1e-14 * cubic
         assert_stuart_landau(cycle, 1.0, ACCURACY)
+
+    @pytest.mark.parametrize("size", [1e-9, 1e9])
+    def test_a_simulation_settles_on_it_in_any_unit(self, size):
+        """Its first steps have the size of the state that it begins with, which declares no scale."""
+
+        def brusselator(t, x, p, dx):
+            u, v = x[0] / size, x[1] / size
+            dx[0] = size * (p.A - (p.B + 1.0) * u + u**2 * v)
+            dx[1] = size * (p.B * u - u**2 * v)
+
+        system = small_system(brusselator, "xy", {"A": 1.2, "B": 3.0})
+        found = recurrent(system, system.defaults(), size * np.array([1.2, 2.6]))
+        # By an integrator of another library at 1e-13; a guess is good to `RETURNED` of its way round.
+        assert found.period == pytest.approx(PERIOD_OF_BRUSSELATOR, rel=1e-3)
 
     def test_an_orbit_of_no_amplitude_is_not_stored(self):
         """mu = 1e-14 is within the tolerance of the Hopf point: the cycle, or an outcome that says so."""

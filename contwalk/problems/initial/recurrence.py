@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from contwalk.problems.orbit.passage import Passage, closure_of
 from contwalk.problems.orbit.shooting import roughness
 from contwalk.problems.orbit.traced_leg import ScalarInputs
 from contwalk.system import State, System
+from contwalk.system.variables import declared_scales
 
 TOLERANCE = 1e-9
 # A state that varies by less stands still: squares of such numbers underflow.
@@ -152,7 +153,7 @@ def recurrent(
         unit = period_at(system, parameters)
     t, x = 0.0, np.array(state, dtype=float)
     reached = np.abs(x)
-    weights = np.maximum(reached, 1e-3)
+    weights = _first_weights(simulation.states, reached)
     if until != "settled":
         path = _checked(simulation, simulation.run(t, x, float(until) / unit, weights), unit).path
         t, x = float(path.times[-1]), path.states[-1].copy()
@@ -186,6 +187,18 @@ def recurrent(
         "or settles on a motion that is not periodic.",
         "Simulate for longer with until: SECONDS, or start from another state.",
     )
+
+
+def _first_weights(declared: Sequence[State], sizes: np.ndarray) -> np.ndarray:
+    """Sizes of the states where a motion begins, shape (n,), the least of them in any units of their own.
+
+    What is zero, or next to it, has a part of its declared scale, else of the largest of all, or of 1 if all
+    are zero.
+    """
+    largest = float(sizes.max())
+    scales = declared_scales(declared)
+    typical = np.where(np.isfinite(scales), scales, largest if largest > 0.0 else 1.0)
+    return np.maximum(sizes, LEAST * typical)
 
 
 def _begun_on(
