@@ -10,6 +10,7 @@ _COMMANDS = {
     "list": ("contwalk.cli.systems_list", "List the installed systems."),
     "describe": ("contwalk.cli.systems_describe", "Describe a system: states, parameters, what it offers."),
     "check": ("contwalk.cli.systems_check", "Check a system or a plugin file before any run."),
+    "stress": ("contwalk.cli.systems_stress", "Compute a study in other units and orders: is it the same?"),
     "slide": ("contwalk.cli.systems_slide", "Derive the sliding mode on a switching surface."),
 }
 

@@ -25,6 +25,7 @@ COMMANDS = (
     ("systems", "list"),
     ("systems", "describe"),
     ("systems", "check"),
+    ("systems", "stress"),
 )
 
 

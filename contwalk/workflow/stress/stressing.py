@@ -80,14 +80,14 @@ def run_to_stress(reference: str, model: dict[str, object] | None = None) -> Run
 
 
 @one_thread()
-def stressed(run_file: RunFile, told: Callable[[Result], None] | None = None) -> Stress:
+def stressed(run_file: RunFile, progress: Callable[[Result], None] | None = None) -> Stress:
     """Run a study as it is and under each change, and compare what is found.
 
     Parameters
     ----------
     run_file : RunFile
         Its output and figures are left alone.
-    told : callable, optional
+    progress : callable, optional
         Gets each result when it is there.
 
     Raises
@@ -99,24 +99,35 @@ def stressed(run_file: RunFile, told: Callable[[Result], None] | None = None) ->
 
     def tell(result: Result) -> None:
         results.append(result)
-        if told is not None:
-            told(result)
+        if progress is not None:
+            progress(result)
 
     with TemporaryDirectory(prefix="contwalk-") as folder:
         first = Path(folder) / "as_it_is.h5"
         seconds = _computed(run_file, first)
         with open_database(first) as reference:
+            _check_found(reference)
             tell(Result("as it is", SAME, (), _located(reference), seconds))
             for case in cases_of(run_file.system):
                 tell(_result(run_file, case, reference, Path(folder) / "changed.h5"))
     return Stress(run_file.system.name, tuple(results))
 
 
+def _check_found(database: Database) -> None:
+    """Refuse a study that finds nothing as it is."""
+    branches = database.branches()
+    if not any(len(branch) for branch in branches):
+        said = branches[0].outcome.message if branches else "It has no branch."
+        raise ContwalkError(
+            f"The study finds nothing as it is: {said}", "Give a run file with another start."
+        )
+
+
 def _result(run_file: RunFile, case: Case, reference: Database, output: Path) -> Result:
-    changed = run_file if case.accuracy is not None else rescaled_run(run_file, case.units)
-    changed = replace(changed, accuracy=case.accuracy or run_file.accuracy)
     begun = time.process_time()
     try:
+        changed = run_file if case.accuracy is not None else rescaled_run(run_file, case.units)
+        changed = replace(changed, accuracy=case.accuracy or run_file.accuracy)
         seconds = _computed(changed, output)
     except ContwalkError as error:
         return Result(case.name, REFUSED, (str(error),), 0, time.process_time() - begun)
@@ -128,22 +139,42 @@ def _result(run_file: RunFile, case: Case, reference: Database, output: Path) ->
             for branch in found.branches()
             if branch.outcome.status == "failed"
         ]
-    said = _said(compared)
+        said = _said(compared, reference, own)
     if not said:
         return Result(case.name, SAME, (), points, seconds)
     return Result(case.name, DIFFERS, (*said, *failed), points, seconds)
 
 
-def _said(compared: Comparison) -> list[str]:
+def _said(compared: Comparison, a: Database, b: Database) -> list[str]:
     """What differs: branches and points that only one has come before numbers.
 
     Rows between special points stand elsewhere in other units and at other accuracies; how well a curve is
-    known between two of them is no result.
+    known between two of them is no result. Neither is how near a branch has come to a limit that no equations
+    locate, as a homoclinic orbit, where both end for the same reason.
     """
     order = (BRANCH, POINT, KIND, END)
     places = {what: k for k, what in enumerate(order)}
-    differences = [each for each in compared.all_differences if not _of_rows(each)]
+    differences = [*compared.differences]
+    for family in compared.branches:
+        alike = _reasons(a, family.a) == _reasons(b, family.b)
+        differences += [each for each in family.differences if not (alike and _end_on_the_way(each, a, b))]
+    differences = [each for each in differences if not _of_rows(each)]
     return [each.text for each in sorted(differences, key=lambda each: places.get(each.what, len(order)))]
+
+
+def _reasons(database: Database, names: tuple[str, ...]) -> set[tuple[str, str]]:
+    outcomes = [database.branch(name).outcome for name in names]
+    return {(outcome.status, outcome.reason) for outcome in outcomes}
+
+
+def _end_on_the_way(difference: Difference, a: Database, b: Database) -> bool:
+    """Whether it is of an end at a place where no equations hold but the branch's own."""
+    if difference.what != END:
+        return False
+    database, (branch, _, point) = (
+        (a, difference.a.partition("/")) if difference.a else (b, difference.b.partition("/"))
+    )
+    return bool(point) and database.branch(branch).special(point).kind != "bound"
 
 
 def _of_rows(difference: Difference) -> bool:
