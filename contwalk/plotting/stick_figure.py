@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from contwalk.plotting.event_marks import MANY, mark_events
 from contwalk.plotting.machine import hide_cut, scenery
 from contwalk.plotting.playback import Playback
 from contwalk.plotting.slanted import tell
@@ -32,6 +33,7 @@ HEIGHT, NARROWEST, WIDEST, AROUND, ABOVE = 2.7, 5.6, 15.0, 0.85, 0.75
 # take, and the greatest width of all; inches.
 AREA, SIDES, TITLE, NUMBERS, WHOLE = 4.5, (1.1, 3.6), 0.35, 0.45, 10.0
 BACK = 1e-3  # how near to its beginning a motion is there again, in parts of the range of each state
+COLUMNS = 4  # of the legend
 BELOW_NUMBERS = -0.13  # where the legend begins if the plugin leaves the axes on, in heights of the axes
 
 
@@ -48,7 +50,8 @@ def plot_stick_figure(
     """Draw a machine at several instants of a motion into one picture, each where the machine then is.
 
     Instants are evenly spaced in time between events. Those of events, of the beginning and of the end are
-    strong, the others light.
+    strong, the others light. Where there are many events they are marks in rows above the picture; strong are
+    then the instants at which the first event comes again.
 
     Parameters
     ----------
@@ -75,10 +78,13 @@ def plot_stick_figure(
     motion = Playback(system, times, states, parameters)
     own = ax is None
     ax = ax or new_axes("stick_figure")
-    names = dict(events)
+    many = len(events) > MANY
+    named = () if many else events
+    again = [time for time, name in events if name == events[0][1]]
+    names = dict.fromkeys(again, "") if many else dict(events)
     still: list[Artist] = []
     limits, outlines, tops = [], [], {}
-    for time in instants(motion, events):
+    for time in instants(motion, [(time, "") for time in again] if many else events):
         added = motion.draw(ax, time)
         for artist in still:
             artist.remove()
@@ -92,11 +98,15 @@ def plot_stick_figure(
             own_points = np.concatenate(lines)
             tops[time] = own_points[np.argmax(own_points[:, 1])]
     _frame(ax, np.array(limits), outlines)
+    if many:
+        drawn = sorted(tops)
+        at = [float(tops[time][0]) for time in drawn]
+        mark_events(ax, events, lambda time: float(np.interp(time, drawn, at)))
     if own:
-        _fit(ax, ABOVE if events else 0.0)
+        _fit(ax, ABOVE if named else 0.0)
     _legend(ax)
-    passed = {time: motion.system.lasting(time - motion.begin, ".3f") for time, _ in events}
-    labels = [(tops[time], f"{name}  {passed[time]}") for time, name in events if time in tops]
+    passed = {time: motion.system.lasting(time - motion.begin, ".3f") for time, _ in named}
+    labels = [(tops[time], f"{name}  {passed[time]}") for time, name in named if time in tops]
     reach = tell(ax, labels)
     if title and own:
         whole_title(ax.figure, title)
@@ -249,7 +259,7 @@ def _legend(ax: Axes) -> None:
             loc="upper left",
             bbox_to_anchor=(0.0, BELOW_NUMBERS if ax.axison else -0.01),
             borderaxespad=0.0,
-            ncols=len(entries),
+            ncols=min(len(entries), COLUMNS),
             frameon=False,
             fontsize=8.5,
             labelcolor=INK,
@@ -262,5 +272,6 @@ def _entry(artist: Artist, name: str) -> Artist:
         return artist
     if str(artist.get_linestyle()).lower() in ("none", "", " "):
         look: dict[str, Any] = {"linestyle": "none", "marker": artist.get_marker(), "markersize": 6.0}
+        look["markerfacecolor"] = artist.get_markerfacecolor()
         return Line2D([], [], color=artist.get_color(), label=name, **look)
     return Line2D([], [], color=artist.get_color(), linewidth=2.2, label=name)

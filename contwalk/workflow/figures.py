@@ -12,6 +12,8 @@ from contwalk.branch import ORBITS, Branch
 from contwalk.errors import NO_LINE, ContwalkError, plugin_line
 from contwalk.system import System
 
+STRIDES = 3  # periods of a stick figure whose events are marks, and so leave room
+
 
 def draw_figure(
     name: str,
@@ -165,6 +167,7 @@ def _machine(branches: Sequence[Branch], system: System, options: Mapping[str, A
 def _stick_figure(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
     """The machine at instants of one orbit, by default that of the start."""
     from contwalk import plotting
+    from contwalk.plotting.event_marks import MANY
     from contwalk.plotting.machine import require_draw, walks
     from contwalk.workflow.stored.orbit_motions import motion_along
     from contwalk.workflow.stored.orbits import titled
@@ -172,6 +175,8 @@ def _stick_figure(branches: Sequence[Branch], system: System, options: Mapping[s
     require_draw(system)
     orbit = _orbit(branches, system, options, "stick figure")
     motion = motion_along(system, orbit)
+    if walks(system) and len(motion.marks) > MANY:
+        motion = motion_along(system, orbit, STRIDES)
     given = system, motion.times, motion.states, orbit.parameters
     title = titled(orbit)
     if walks(system):

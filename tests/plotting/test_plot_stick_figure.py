@@ -196,3 +196,21 @@ def test_a_system_without_draw_and_one_whose_draw_fails():
 
     with pytest.raises(PluginError, match="no ink"):
         plot_stick_figure(machine(broken), TIMES, STATES, {})
+
+
+def test_many_events_are_marks_in_rows_and_not_names():
+    """A step of two knees and feet, ten times over: 40 names would stand over one another."""
+    names = ("foot1_on", "foot2_off", "knee1_locks", "clicks")
+    times = np.linspace(0.0, 2.0, 40, endpoint=False)
+    events = [(float(time), names[k % 4]) for k, time in enumerate(times)]
+    ax = plot_stick_figure(HOPPER, TIMES, STATES, {}, events=events)
+    rows = [text.get_text() for text in ax.texts if text.get_gid() == "row"]
+    assert rows == ["knee1", "foot2", "foot1", "clicks"]  # the first of the alphabet on top
+    marks = {kind: by_gid(ax, f"mark-{kind}")[0] for kind in ("on", "off", "locks", "event")}
+    # Each is above where the machine is then, which goes on by one in a second.
+    np.testing.assert_allclose(marks["on"].get_xdata(), times[::4], atol=0.02)
+    levels = [float(marks[kind].get_ydata()[0]) for kind in ("event", "on", "off", "locks")]
+    assert levels == sorted(levels, reverse=True)
+    assert not [text for text in ax.texts if text.get_text().startswith("foot1_on")]
+    shown = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert {"on", "off", "locks", "event", "leg"} == set(shown)
