@@ -75,6 +75,8 @@ def _print_numbers(out: Console, system: System) -> None:
     _section(out, ["parameter", "default", "unit", "bounds", "about"], parameters, right=(1,))
     observables = [[entry.name, entry.unit, entry.about] for entry in system.observables]
     _section(out, ["observable", "unit", "about"], observables)
+    signals = [[entry.name, entry.unit, entry.about] for entry in system.signals]
+    _section(out, ["signal", "unit", "about"], signals)
 
 
 def _print_dynamics(out: Console, system: System) -> None:

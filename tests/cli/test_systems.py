@@ -42,6 +42,13 @@ def test_describe(contwalk):
         assert expected in lines
 
 
+def test_describe_signals(contwalk):
+    """What figures take beside states: heights of toes."""
+    lines = [line.split() for line in contwalk("systems", "describe", "walker3d").out.splitlines()]
+    assert ["signal", "unit", "about"] in lines
+    assert ["height11", "m", "height", "of", "toe", "11"] in lines
+
+
 def test_describe_a_model(contwalk):
     two = contwalk("systems", "describe", "autobalancer").out
     three = contwalk("systems", "describe", "autobalancer", "--set", "masses=3").out
