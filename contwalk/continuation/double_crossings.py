@@ -14,6 +14,7 @@ import numpy as np
 
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
+from contwalk.continuation.meeting_eigenvalues import peaks
 from contwalk.continuation.on_finest_steps import on_finest_steps
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
@@ -48,6 +49,7 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
             elif _touches(segment, which, theta) and all(abs(theta - f.theta) > 1e-3 for f in touching):
                 found = locate_multiple(segment, theta)
                 touching += [found] if found is not None else []
+        knots += peaks(segment, (low, a), (high, b))
     if (between := _between_one_and_minus_one(segment)) is not None:
         knots.append(between)
     return sorted(set(knots)), touching
@@ -135,6 +137,12 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     if finer is None:
         return None
     part = finer.part
+    if (
+        part.a.measures[which] * segment.a.measures[which]
+        < 0.0
+        > part.b.measures[which] * segment.b.measures[which]
+    ):
+        return None  # beyond zero on the finest steps, too, and for longer than these look
     middle, passes = _extremum(part, which, (0.0, part.a), (1.0, part.b))
     if not passes:
         return []

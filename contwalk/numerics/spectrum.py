@@ -29,6 +29,8 @@ class Spectrum:
         Whether the last one, out of order, is zero all along the branch: that of its own direction.
     bordering : ndarray of bool, shape (m,), optional
         Those of a conservative motion that stay on the imaginary axis; None of other motions.
+    of_values : ndarray of complex, shape (m,), optional
+        Derivatives of the eigenvalues along the branch, where all are known.
     """
 
     values: np.ndarray
@@ -36,6 +38,7 @@ class Spectrum:
     rates: np.ndarray
     still: bool = False
     bordering: np.ndarray | None = None
+    of_values: np.ndarray | None = None
 
     @property
     def measures(self) -> np.ndarray:
@@ -136,20 +139,22 @@ def spectrum(
         gaps.flat[:: len(values) + 1] = np.inf
         left_behind = backward**2 / np.maximum(gaps.min(axis=1), 1e-300)
         errors = sensitivity + np.minimum(backward, left_behind)
-        rates = _quotients(left, rate / d[:, None] * d, right).real
+        moving = _quotients(left, rate / d[:, None] * d, right).astype(complex)
     # Real matrices have exact conjugates; LAPACK lists each pair next to each other.
     real = found.imag == 0.0
     values[real] = values[real].real
     first = np.flatnonzero(found.imag > 0.0)
     values[first + 1] = np.conj(values[first])
     errors[first] = errors[first + 1] = np.maximum(errors[first], errors[first + 1])
-    rates[first + 1] = rates[first]
+    moving[first + 1] = np.conj(moving[first])
+    moving[real] = moving[real].real
     if zeros:
         kept = np.sort(np.argsort(np.abs(values), kind="stable")[zeros:])
-        values, errors, rates = values[kept], errors[kept], rates[kept]
+        values, errors, moving = values[kept], errors[kept], moving[kept]
     order = np.lexsort((-values.imag, -values.real))
     errors = np.where(np.isfinite(errors), errors, np.inf)
-    return _bordering(Spectrum(values[order], errors[order], rates[order]))
+    values, moving = values[order], moving[order]
+    return _bordering(Spectrum(values, errors[order], moving.real, of_values=moving))
 
 
 def _bordering(found: Spectrum) -> Spectrum:

@@ -24,15 +24,30 @@ class Rates:
     count : int
     rate : callable
         Derivative of the measure of a number 0..count-1 by arclength, NaN where none is known.
+    factor : float
+        What all of them are multiplied by.
+    of_values : ndarray of complex, shape (count,), optional
+        Derivatives of the eigenvalues themselves, where all are known.
     """
 
-    def __init__(self, count: int, rate: Callable[[int], float], factor: float = 1.0) -> None:
-        self._count, self._rate, self._factor = count, rate, factor
+    def __init__(
+        self,
+        count: int,
+        rate: Callable[[int], float],
+        factor: float = 1.0,
+        of_values: np.ndarray | None = None,
+    ) -> None:
+        self._count, self._rate, self._factor, self._of_values = count, rate, factor, of_values
 
     @classmethod
-    def known(cls, values: np.ndarray) -> Rates:
-        """Rates that are known already."""
-        return cls(len(values), values.tolist().__getitem__)
+    def known(cls, values: np.ndarray, of_values: np.ndarray | None = None) -> Rates:
+        """Rates that are known already, of measures and of eigenvalues."""
+        return cls(len(values), values.tolist().__getitem__, of_values=of_values)
+
+    @property
+    def of_values(self) -> np.ndarray | None:
+        """Derivatives of the eigenvalues by arclength, shape (count,); None where they are not known."""
+        return None if self._of_values is None else self._factor * self._of_values
 
     def __len__(self) -> int:
         return self._count
@@ -44,7 +59,7 @@ class Rates:
 
     def scaled(self, factor: float) -> Rates:
         """Rates by another arclength."""
-        return Rates(self._count, self._rate, self._factor * factor)
+        return Rates(self._count, self._rate, self._factor * factor, self._of_values)
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,10 @@
 
 Source: M. di Bernardo, C. J. Budd, A. R. Champneys, P. Kowalczyk, Piecewise-smooth Dynamical Systems,
 Springer 2008, sections 5.1 to 5.3. With the guard's margin h, positive on the mode's side, and the branch
-x(lambda) of the mode, dh/dlambda = h_lambda - h_x A^-1 f_lambda. Where the other field is zero at the point as
-well, the equilibria of the other side have such a rate of their own. Where it is not, the machine is held at
-the guard by a part alpha of a field, or of an impulse, w: f + alpha w = 0 and h = 0, so that alpha h_x A^-1 w
-is the margin that the equilibrium beyond would have.
+x(lambda) of the mode, dh/dlambda = h_lambda - h_x A^-1 f_lambda. Where the other field is zero at the point
+as well, the equilibria of the other side have such a rate of their own. Where it is not, the machine is held
+at the guard by a part alpha of a field, or of an impulse, w: f + alpha w = 0 and h = 0, so that
+alpha h_x A^-1 w is the margin that the equilibrium beyond would have.
 """
 
 from __future__ import annotations

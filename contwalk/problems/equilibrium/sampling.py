@@ -40,7 +40,7 @@ def sampled(
         weights=weights,
         eigenvalues=found.values,
         errors=found.errors,
-        rates=Rates.known(found.rates),
+        rates=Rates.known(found.rates, found.of_values),
         measures=found.measures,
         unstable=found.unstable(before),
         magnitudes=linearization.magnitudes,

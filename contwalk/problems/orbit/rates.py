@@ -12,18 +12,15 @@ from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.sample import Rates, Sample
 
-# Rates are computed of the leading multipliers whose moduli lie between these: a pair of crossings may
-# hide between
-# two points far from the unit circle.
-LEADING, LEAST, MOST = 2, 0.4, 1e8
+# Rates are computed of multipliers whose moduli lie between these: a pair of crossings may hide between two
+# points far from the unit circle.
+LEAST, MOST = 0.4, 1e8
 # Displacement along the branch, in the metric, for the rate of an observable.
 BESIDE = 1e-4
 
 
 def of_moduli(problem: OrbitData, z: np.ndarray, tangent: np.ndarray, found: Multipliers) -> Rates:
-    """Derivative of each modulus by arclength; NaN where it is far from one, or real and positive.
-
-    A real multiplier passes one at a fold or a branch point, which other tests see.
+    """Derivative of each modulus by arclength; NaN where it is far from one.
 
     z and tangent have the shape (N + 1,).
     """
@@ -31,7 +28,7 @@ def of_moduli(problem: OrbitData, z: np.ndarray, tangent: np.ndarray, found: Mul
 
     def rate(k: int) -> float:
         value = complex(found.values[k])
-        if not LEAST < abs(value) < MOST or k >= LEADING or (value.imag == 0.0 and value.real > 0.0):
+        if not LEAST < abs(value) < MOST:
             return float("nan")
         paired = k > 0 and value.imag != 0.0 and value == np.conj(found.values[k - 1])
         first = k - 1 if paired else k
