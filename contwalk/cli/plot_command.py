@@ -64,6 +64,8 @@ WITH_AXES = ("bifurcation_diagram", "stability_map", "locus", "chart", "phase_po
     multiple=True,
     help="Where to draw the machine, or an orbit; by default the start, and a handful of orbits.",
 )
+@click.option("--full", is_flag=True, help="Multipliers of full orbits, not of what a symmetry closes up.")
+@click.option("--together", is_flag=True, help="Multipliers of all branches in one pair of panels.")
 @click.option("--force", is_flag=True, help="Replace a file that exists.")
 @trust_option
 def command(
@@ -76,6 +78,8 @@ def command(
     kind: str | None,
     names: tuple[str, ...],
     points: tuple[str, ...],
+    full: bool,
+    together: bool,
     force: bool,
     trust: bool,
 ) -> None:
@@ -96,6 +100,8 @@ def command(
         raise ContwalkError(f"The figure {kind} has one vertical axis.", "Give -y once.")
     y = several[0] if several else None
     _check_options(kind, x, y, z, points)
+    of_multipliers = {name: True for name, wanted in (("full", full), ("together", together)) if wanted}
+    _check_of_multipliers(kind, of_multipliers)
     refuse_existing([Path(output)], force)
     if kind == MARGINS:
         if names:
@@ -118,7 +124,7 @@ def command(
         options: dict[str, Any] = {axis: name for axis, name in (("x", x), ("y", y), ("z", z)) if name}
         if len(several) > 1:
             options["y"] = several
-        options["points"] = places
+        options |= {"points": places, **of_multipliers}
         draw_figure(kind, branches, system, Path(output), options, units, say)
     click.echo(f"Wrote {output}.")
 
@@ -138,6 +144,13 @@ def _check_options(kind: str, x: str | None, y: str | None, z: str | None, point
         raise ContwalkError(f"The figure {kind} has no -x and -y.", "Leave them out.")
     if z and kind != "phase_portrait":
         raise ContwalkError(f"The figure {kind} has no -z.", "Leave it out.")
+
+
+def _check_of_multipliers(kind: str, options: dict[str, bool]) -> None:
+    if options and kind != "multipliers":
+        raise ContwalkError(
+            f"--{next(iter(options))} belongs to --kind multipliers, not to {kind}.", "Leave it out."
+        )
 
 
 def _swept(branches: list[Branch]) -> str:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
 from contwalk.branch import ORBITS, Branch
+from contwalk.plotting.full_orbits import full_orbits
 from contwalk.plotting.multiplier_moduli import OTHER, draw_moduli, name_points
 from contwalk.plotting.quantities import called
 from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
@@ -24,6 +25,8 @@ MOST_BRANCHES = 6
 def plot_multiplier_panels(
     branches: Sequence[Branch],
     *,
+    full: bool = False,
+    together: bool = False,
     units: Mapping[str, str] | None = None,
     report: Callable[[str], None] = lambda text: None,
 ) -> list[Axes]:
@@ -33,6 +36,10 @@ def plot_multiplier_panels(
     ----------
     branches, units
         As for `plot_multipliers`. More than six branches share one pair of panels.
+    full : bool
+        Multipliers of full orbits, not of what is closed up to a symmetry.
+    together : bool
+        All branches share one pair of panels, however few there are.
     report : callable
         As for `plot_multiplier_moduli`.
 
@@ -47,7 +54,9 @@ def plot_multiplier_panels(
         If no branch is one of orbits with a spectrum.
     """
     chosen = choose(branches, ORBITS, "multipliers", OTHER)
-    groups = [[branch] for branch in chosen] if len(chosen) <= MOST_BRANCHES else [chosen]
+    chosen = [full_orbits(branch) for branch in chosen] if full else chosen
+    apart = len(chosen) <= MOST_BRANCHES and not together
+    groups = [[branch] for branch in chosen] if apart else [chosen]
     axes = new_grid("multiplier_panels", 2 * len(groups), 2)
     unnamed = []
     for number, group in enumerate(groups):

@@ -93,8 +93,9 @@ def draw_spectra(ax: Axes, branches: Sequence[Branch], units: Mapping[str, str] 
     chosen = with_names(branches, [parameter])
     colors = [np.asarray(values(branch, parameter)) for branch in chosen]
     norm = _norm(np.concatenate(colors))
+    joints = _joints(chosen)
     for branch, color in zip(chosen, colors, strict=True):
-        _draw(ax, branch, parameter, color, norm)
+        _draw(ax, branch, parameter, color, norm, joints)
     dots = LineCollection([], cmap=COLORS, norm=norm)
     dots.set_array(np.empty(0))
     bar = ax.figure.colorbar(dots, ax=ax, pad=0.02, aspect=28)
@@ -121,7 +122,23 @@ def loci_of(branch: Branch, x: str) -> Loci:
     return smooth_loci(s, track(branch.points["spectrum"]), across, slope)
 
 
-def _draw(ax: Axes, branch: Branch, parameter: str, color: np.ndarray, norm: Normalize) -> None:
+def _joints(branches: Sequence[Branch]) -> set[tuple[str, float]]:
+    """Ends of branches at which others of them go on, and the starts of these: name and arclength of each."""
+    ends = {
+        (branch.name, s) for branch in branches if len(branch) for s in branch.points["s"][[0, -1]].tolist()
+    }
+    found = [(branch.name, branch.info.parent) for branch in branches if branch.info.parent in ends]
+    return {joint for name, parent in found if parent is not None for joint in (parent, (name, 0.0))}
+
+
+def _draw(
+    ax: Axes,
+    branch: Branch,
+    parameter: str,
+    color: np.ndarray,
+    norm: Normalize,
+    joints: set[tuple[str, float]],
+) -> None:
     if len(branch) == 0:
         return
     fine = loci_of(branch, parameter)
@@ -151,6 +168,8 @@ def _draw(ax: Axes, branch: Branch, parameter: str, color: np.ndarray, norm: Nor
         gid=f"{branch.name}-dots",
     )
     for row, mark in zip(_ends(branch), (_START, _END), strict=True):
+        if (branch.name, float(branch.points["s"][row])) in joints:
+            continue
         ax.plot(loci[row].real, loci[row].imag, **{**mark, "gid": f"{branch.name}-{mark['label']}"})
 
 

@@ -33,8 +33,8 @@ def draw_figure(
     system : System, optional
         For figures of machines and motions, and for units.
     options : mapping
-        `x`, `y` and `z` where the figure takes them; `points`, pairs of a branch and a stored point, for
-        figures of points.
+        `x`, `y` and `z` where the figure takes them, `full` and `together` of multipliers; `points`, pairs
+        of a branch and a stored point, for figures of points.
     units : mapping, optional
         Units by name, instead of the system's.
     report : callable
@@ -83,7 +83,8 @@ def _draw(
     elif name == "eigenvalues":
         axes = plotting.plot_eigenvalues(branches, units=units)
     elif name == "multipliers":
-        axes = plotting.plot_multiplier_panels(branches, units=units, report=report)
+        shown = {name: bool(options.get(name)) for name in ("full", "together")}
+        axes = plotting.plot_multiplier_panels(branches, **shown, units=units, report=report)
     elif name == "stability_map":
         axes = plotting.plot_stability_map(branches, x or branches[0].info.free[0], str(y), units=units)
     elif name == "locus":

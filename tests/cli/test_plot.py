@@ -89,6 +89,7 @@ def test_stability_map_finds_the_swept_parameter(contwalk, folder):
         (("-o", "x.png", "-y", "heigt"), "Did you mean 'height'?"),
         (("-o", "x.png", "--branch", "b9"), "has no branch 'b9'"),
         (("-o", "x.png", "--kind", "multipliers"), "No branch has multipliers"),
+        (("-o", "x.png", "--full"), "--full belongs to --kind multipliers, not to bifurcation_diagram"),
         (("-o", "x.png", "--kind", "stability_map"), "name it with -y"),
         (("-o", "x.png", "--kind", "pie"), "bifurcation_diagram"),
         (("-o", "x.png", "--point", "b1/BP1"), "--kind machine"),

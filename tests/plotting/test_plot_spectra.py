@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -308,3 +309,30 @@ def test_names_of_many_points_lie_within_the_axes_and_the_others_are_told():
 def test_multipliers_of_branches_of_one_name_are_told_apart():
     axes = plot_multiplier_panels([orbits(0.5 + MU), orbits(0.4 + MU)])
     assert [axes[k].texts[-1].get_text().split(",")[0] for k in (0, 2)] == ["b1", "b2"]
+
+
+def test_multipliers_of_full_orbits_are_powers_of_those_of_their_closures():
+    """Of half an orbit that a mirror closes up, fold 2, the multiplier -0.9 is 0.81 of the whole."""
+    half = orbits(-0.9)
+    half = replace(half, info=replace(half.info, settings={"fold": 2}))
+    for full, value in ((False, -0.9), (True, 0.81)):
+        plane, _ = plot_multiplier_panels([half], full=full)
+        dots = by_gid(plane, "b1-dots").get_offsets()
+        np.testing.assert_allclose(dots, np.tile([value, 0.0], (len(MU), 1)), rtol=1e-15)
+
+
+def test_branches_that_go_on_as_others_may_share_one_pair_of_panels():
+    some = [orbits(0.5 + MU), orbits(0.4 + MU)]
+    assert [len(plot_multiplier_panels(some, together=together)) for together in (False, True)] == [4, 2]
+
+
+def test_a_branch_that_goes_on_as_another_one_has_no_end_there():
+    first = orbits(0.5 + MU)
+    second = orbits(0.4 + MU)
+    parent = ("b1", float(first.points["s"][-1]))
+    second = replace(second, info=replace(second.info, name="b2", parent=parent))
+    plane = plot_multipliers([first, second])
+    marks = [
+        artist.get_gid() for artist in plane.get_lines() if str(artist.get_gid()).endswith(("-start", "-end"))
+    ]
+    assert marks == ["b1-start", "b2-end"]

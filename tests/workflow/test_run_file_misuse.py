@@ -52,7 +52,7 @@ APPENDED = [
     ("figures: [{machine: {}, eigenvalues: {}}]", ["line 8", "key figures.0", "2 names"]),
     (
         "figures: [{machine: {w: m}}]",
-        ["line 8", "key figures.0.machine.w", "unknown key", "x, y, z, xlim, ylim, file"],
+        ["line 8", "key figures.0.machine.w", "unknown key", "x, y, z, xlim, ylim, full, together, file"],
     ),
     (
         "figures: [{machine: {file: a.png}}, {eigenvalues: {file: a.png}}]",
@@ -70,6 +70,7 @@ APPENDED = [
     ),
     ("figures: [{machine: {file: plot}}]", ["line 8", "key figures.0.machine.file", "(no suffix)"]),
     ("figures: [{machine: {z: load}}]", ["line 8", "key figures.0.machine.z", "has no third axis"]),
+    ("figures: [{machine: {full: true}}]", ["line 8", "figures.0.machine.full", "belongs to multipliers"]),
     ("figures: [{machine: {x: dampin}}]", ["line 8", "figures.0.machine.x", "Did you mean 'damping'?"]),
     ("sweep: {stiffness: [1, 2]}", ["line 8", "key sweep.stiffness", "changes already"]),
     ("sweep: {dampin: [1, 2]}", ["line 8", "key sweep.dampin", "Did you mean 'damping'?"]),

@@ -82,6 +82,9 @@ def _check_axes(problems: Problems, system: System, key: Key, options: FigureOpt
     if options.z is not None and key[-1] != "phase_portrait":
         problems.add((*key, "z"), f"'{key[-1]}' has no third axis.", "Remove it.")
     _check_limits(problems, key, options)
+    for name, wanted in (("full", options.full), ("together", options.together)):
+        if wanted is not None and key[-1] != "multipliers":
+            problems.add((*key, name), f"'{key[-1]}' has no {name}.", "It belongs to multipliers.")
     given = {"x": options.x, "y": options.y, "z": options.z}
     for axis, name in ((axis, name) for axis, names in given.items() for name in listed(names)):
         if name not in (*known, *more):

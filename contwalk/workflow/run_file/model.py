@@ -189,6 +189,8 @@ class FigureOptions(Section):
     z: str | None = Field(default=None, description="a state, for a phase_portrait in space")
     xlim: Range | None = Field(default=None, description="two numbers, [left, right]")
     ylim: Range | None = Field(default=None, description="two numbers, [lowest, highest]")
+    full: bool | None = Field(default=None, description="true: multipliers of full orbits, or false")
+    together: bool | None = Field(default=None, description="true: one pair of panels for all, or false")
     file: FileName | None = Field(default=None, description="a file name")
 
 
