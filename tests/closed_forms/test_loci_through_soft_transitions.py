@@ -129,6 +129,53 @@ def conditions_of_folds(
     return turned(found) if next(made) and turns else found
 
 
+@cache
+def damped_by(role: str) -> System:
+    """The two springs with a damping that may be varied."""
+
+    def field(stiffness: float):
+        def motion(t, x, p, dx):
+            dx[0] = x[1]
+            dx[1] = 0.5 * math.cos(p.omega * t) - p.damping * x[1] - x[0] - stiffness * (x[0] - GAP)
+
+        return motion
+
+    return machine(
+        ["q", "v"],
+        {"omega": 1.3, "damping": 0.1},
+        {"free": field(0.0), "contact": field(STIFFNESS)},
+        system(role).transitions,
+        period=lambda p: 2.0 * math.pi / p.omega,
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("role", ["soft", "hard"])
+def test_a_second_multiplier_is_one_where_nothing_is_damped(role) -> None:
+    """The multipliers of a turn have the product exp(-damping T): on a curve of folds both are one at 0.
+
+    The condition of a pair was asked of orbits whose soft transitions are condensed: an internal error.
+    """
+    given = damped_by(role)
+    along = diagram(
+        given,
+        "omega",
+        RANGES["omega"],
+        STATE,
+        {"omega": 1.3, "damping": 0.1},
+        until="settled",
+        events={"GR": "ignore"},
+        max_step=0.3,
+    )[0]
+    lower = min((p for p in along.special_points if p.label == "LP"), key=lambda p: p.parameters["omega"])
+    ranges = {"omega": RANGES["omega"], "damping": (-0.02, 0.12)}
+    curve = cw.continue_locus(given, along, lower.name, ranges, events={"GR": "ignore"}, **FINE)
+    (found,) = [point for point in curve.special_points if point.label == "R1"]
+    assert found.status == "located"
+    assert abs(found.parameters["damping"]) <= found.errors["damping"] < 1e-9
+    assert found.spectrum == pytest.approx([1.0, 1.0], abs=1e-4)  # a double one, to the root of rounding
+
+
 def bounce(t, x, p, x_plus):
     x_plus[0], x_plus[1] = x[0], -0.8 * x[1]
 

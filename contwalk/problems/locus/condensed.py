@@ -169,6 +169,25 @@ class OfMultipliers(Condensed):
         return np.asarray((left + eliminated @ found.slope) * self.near.weights)
 
 
+def of_any_orbit(
+    orbit: Any, near: At, further: np.ndarray, system: Callable[[Any, At, np.ndarray], Any]
+) -> Any:
+    """A condition of multipliers near a place: of the explicit orbit, where soft transitions are condensed.
+
+    Parameters
+    ----------
+    orbit : PeriodicOrbit, HybridOrbit or SoftOrbit
+    near : At
+    further : ndarray, shape (k,)
+        Values of its further unknowns.
+    system : callable
+        Makes it of an orbit whose legs are all there, a place and further unknowns.
+    """
+    if isinstance(orbit, SoftEquations):
+        return OfMultipliers(orbit, near, further, system).augmented
+    return system(orbit, near, further)
+
+
 def turned(system: Augmented) -> Augmented:
     """A condition with the other sign."""
 

@@ -7,8 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contwalk.problems.hybrid.soft_equations import SoftEquations
-from contwalk.problems.locus.condensed import OfMultipliers
+from contwalk.problems.locus.condensed import of_any_orbit
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.valued import Valued
 from contwalk.problems.orbit.augmented import Augmented
@@ -46,8 +45,8 @@ class OrbitCurve(ABC):
 
         `further` has the shape (k,).
         """
-        if isinstance(orbit, SoftEquations) and self.asks_explicit(further):
-            return OfMultipliers(orbit, near, further, self.system).augmented
+        if self.asks_explicit(further):
+            return of_any_orbit(orbit, near, further, self.system)
         return self.system(orbit, near, further)
 
     def asks_explicit(self, further: np.ndarray) -> bool:

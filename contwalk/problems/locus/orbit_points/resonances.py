@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.locus.orbit_conditions import pair_system
+from contwalk.problems.locus.condensed import of_any_orbit
+from contwalk.problems.locus.orbit_conditions import At, pair_system
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.point import (
     Form,
@@ -134,8 +135,12 @@ class SecondMultiplier(OrbitLocusPoint):
         """A pair of multipliers whose mean is there, in place of the curve's own condition."""
         there, own = problem.plane.first(sample.z)
         near = near_of(problem, sample, own)
-        pair = pair_system(there, near, self.multiplier, held=True)
+        pair = of_any_orbit(there, near, np.zeros(0), self._pair)
         return together(problem, sample, [Held(pair, np.zeros(0, dtype=int))], np.zeros(0))
+
+    def _pair(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
+        """Both multipliers there, of an orbit near a place; `further` has the shape (0,)."""
+        return pair_system(orbit, near, self.multiplier, held=True)
 
     def critical(self, point: SpecialPoint, sample: Sample) -> complex:
         """The multiplier that arrives."""
