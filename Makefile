@@ -4,6 +4,7 @@
 # make test   the tests, in some minutes
 # make slow   the slow ones: whole studies, killed runs, peers
 # make long   more of these, for which no change waits
+# make runs   every file of runs/ as it is written, with the values that its table tells: an hour
 # make check  all tests, lint, format, types and import directions
 # make same   six studies beside what the last commit made of them (or REVISION=...): what differs, points, CPU
 # make noise  the six studies with noise in the last bits, by two seeds: nothing may differ but digits within errors
@@ -21,7 +22,7 @@ BASE ?= main
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo quick near test slow long check same noise bench docs static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo quick near test slow long runs check same noise bench docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -62,10 +63,14 @@ test: install-test
 	$(PYTEST) -m "not slow" $(TEST_OPTIONS)
 
 slow: install-test
-	$(PYTEST) -m "slow and not long" $(TEST_OPTIONS)
+	$(PYTEST) -m "slow and not long and not runs" $(TEST_OPTIONS)
 
 long: install-test
 	$(PYTEST) -m long $(TEST_OPTIONS)
+
+# One after the other, in one folder: some begin where others end. TEST_OPTIONS='-k planar' runs a part.
+runs: install-test
+	$(BIN)/python -m pytest -m runs $(TEST_OPTIONS) tests/thesis/test_every_run_file.py
 
 # -- what a contributor types --------------------------------------------------------------------------------
 

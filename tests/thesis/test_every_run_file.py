@@ -1,0 +1,111 @@
+"""Every file of runs/ as it is written: its commands end with success, and find what runs/README.md tells.
+
+`make runs` runs them all, which takes an hour of processor time, and prints what each took.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import shutil
+import subprocess
+import sys
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+from autobalancer_figures import RUNS
+from documented_values import DOCUMENTED, MEANS, Told
+
+from contwalk.branch import SpecialPoint
+from contwalk.storage import open_database
+
+pytestmark = pytest.mark.thesis
+
+NAMES = sorted(path.stem for path in RUNS.glob("*.yaml"))
+# Databases of other run files that one begins at, as it names them.
+BEGINS_AT = re.compile(r"from: (\w+)\.h5")
+
+
+def commands(name: str) -> list[str]:
+    """What is done with a run file, in this order: what its sections are for."""
+    text = (RUNS / f"{name}.yaml").read_text(encoding="utf-8")
+    sections = re.findall(r"^(\w+):", text, re.MULTILINE)
+    chosen = {"sample": "sample", "continue": "continue", "path": "continue", "margins": "margins"}
+    return list(dict.fromkeys(chosen[section] for section in chosen if section in sections))
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the folder, where the databases come to lie."""
+    place = tmp_path_factory.mktemp("runs")
+    for path in RUNS.glob("*.yaml"):
+        shutil.copy(path, place)
+    return place
+
+
+def run(folder: Path, name: str) -> tuple[float, str]:
+    """Run a file's commands; processor seconds, without those of files that it begins at, and the reports."""
+    for other in BEGINS_AT.findall((folder / f"{name}.yaml").read_text(encoding="utf-8")):
+        if other != name and not (folder / f"{other}.h5").exists():
+            run(folder, other)
+    before, reports = _seconds(), []
+    for command in commands(name):
+        done = subprocess.run(
+            [sys.executable, "-m", "contwalk", command, f"{name}.yaml", "--force"],
+            cwd=folder,
+            env=os.environ | {"COLUMNS": "200"},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, f"{command} {name}.yaml: {done.stderr[-2000:]}"
+        reports.append(done.stdout)
+    return _seconds() - before, "".join(reports)
+
+
+def _seconds() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def found(points: list[SpecialPoint], told: Told) -> bool:
+    """Whether a point is told, to one unit of the last digit of each parameter."""
+    label, values = told
+    return any(
+        point.label == label
+        and all(
+            name in point.parameters
+            and abs(point.parameters[name] - float(text)) <= 10.0 ** int(Decimal(text).as_tuple().exponent)
+            for name, text in values.items()
+        )
+        for point in points
+    )
+
+
+def test_what_is_documented_is_of_run_files_and_of_their_table():
+    table = (RUNS / "README.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `(\w+)` \|(.*)$", table, re.MULTILINE))
+    assert set(DOCUMENTED) | set(MEANS) <= set(NAMES)
+    for name, told in DOCUMENTED.items():
+        for label, values in told:
+            assert all(text in rows[name] for text in values.values()), (name, label, values)
+    for name, text in MEANS.items():
+        assert text in rows[name]
+
+
+@pytest.mark.slow
+@pytest.mark.runs
+@pytest.mark.parametrize("name", NAMES)
+def test_run_file(name: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    seconds, report = run(folder, name)
+    with capsys.disabled():
+        print(f"\n{name}: {', '.join(commands(name))}: {seconds:.1f} s of processor time", end=" ")
+    if name in MEANS:
+        assert MEANS[name].split(" ± ")[0] in report
+        return
+    with open_database(folder / f"{name}.h5") as database:
+        points = [point for branch in database.branches() for point in branch.special_points]
+    missing = [told for told in DOCUMENTED.get(name, []) if not found(points, told)]
+    assert not missing, [(point.label, dict(point.parameters)) for point in points][:40]
