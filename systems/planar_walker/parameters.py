@@ -33,7 +33,7 @@ _MEANING = {
     "l2x": ("m", False, "centre of mass of the thigh, forward of the line of the thigh"),
     "l2y": ("m", False, "centre of mass of the thigh, below the hip"),
     "lf": ("m", False, "centre of the circular foot, forward of the line of the shank"),
-    "rf": ("m", True, "radius of the foot"),
+    "rf": ("m", False, "radius of the foot; negative: its curve opens downwards"),
     "g": ("m/s2", True, "gravity"),
     "alpha": ("rad", False, "inclination of the slope, downhill to the right"),
     "mu": ("1", True, "coefficient of friction that is available at impacts; it does not act on the motion"),

@@ -106,6 +106,7 @@ def random_case(seed: int) -> tuple[SimpleNamespace, np.ndarray]:
     p = parameters(SYSTEM, **{name: float(random.uniform(0.2, 1.5)) for name in SYSTEM.parameter_names})
     p.alpha, p.l1x, p.l2x, p.lf = random.uniform(-0.5, 0.5, 4)
     x = random.normal(size=7)
+    p.rf = random.uniform(-0.5, 0.5)  # of negative ones too
     x[3] = 0.0
     return p, x
 

@@ -50,6 +50,7 @@ DOCUMENTED: dict[str, list[Told]] = {
         *_each("HB", "delta", "0.0060721"),
         *_each("PD", "delta", "0.0032676", "0.0030588", "0.0030299", "0.0030252"),
     ],
+    "autobalancer_three_systems": _each("UZ", "m", "0.0141325", "0.0141390", "0.0141361"),
     "autobalancer_anisotropic": _each("NS", "omega", "0.762190"),
     "autobalancer_anisotropic_fig19": [
         *_each("NS", "omega", "1.014112", "6.997815", "12.618218"),
@@ -76,6 +77,10 @@ DOCUMENTED: dict[str, list[Told]] = {
         *_each("AZ", "alpha", "0.0528541", "0.0385619", "0.2775819"),
     ],
     "planar_feet": _each("UZ", "path", "0.6262023"),
+    "planar_negative_feet": [
+        *_each("PD", "rf", "-0.0420138"),
+        *_each("AZ", "rf", "-0.0656424"),
+    ],
     "planar_foot_radius_curves": [
         *_pairs("LPPD", ("alpha", "rf"), ("0.0382021", "0.1036605")),
         *_pairs(
@@ -124,6 +129,12 @@ DOCUMENTED: dict[str, list[Told]] = {
         *_each("NS", "c_y", "733.764"),
         *_each("BP", "c_y", "971.428"),
         *_each("LP", "c_y", "965.283"),
+    ],
+    "walker3d_ground_region": [
+        *_pairs("R2", ("k_y", "c_y"), ("11184.99", "1142.37")),
+        *_pairs("R3", ("k_y", "c_y"), ("13565.02", "676.28")),
+        *_pairs("GRNS", ("k_y", "c_y"), ("15326.44", "798.83")),
+        *_pairs("GR", ("k_y", "c_y"), ("15328.57", "801.33")),
     ],
     "walker3d_no_overlap_knee_stiffness": _each("NS", "k_knee", "102.960"),
     "walker3d_no_overlap_knee_damping": [

@@ -18,6 +18,7 @@ NAMES = sorted(path.stem for path in RUNS.glob("planar_*.yaml") if not path.stem
 # The study of the slope with less of it: other tests compute the whole.
 _LITTLE = ("continue.range=[0.085, 0.1]", "diagram=none")
 NARROWED = {
+    "planar_negative_feet": ("continue.range=[-0.01, 0.01]",),
     "planar_slope": _LITTLE,
     "planar_foot_radius_curves": (*_LITTLE, "loci.range=[0.115, 0.125]"),
     "planar_inertia_curves": (*_LITTLE, "loci.range=[0.0, 0.001]"),
