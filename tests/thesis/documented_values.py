@@ -111,6 +111,15 @@ DOCUMENTED: dict[str, list[Told]] = {
         *_each("GR", "alpha", "0.0938827", "0.0890046", "0.0682401", "0.0664664", "0.0648447"),
         *_each("GR", "alpha", "0.0664546", "0.0707170", "0.0704979"),
     ],
+    "walker3d_overlap_ground_stiffness": [
+        *_each("BP", "k_y", "5869.371"),
+        *_each("GR", "k_y", "5889.289"),
+    ],
+    "walker3d_knee_release": _each("OC", "c_knee", "13.0202160"),
+    "walker3d_overlap_planar": [
+        *_each("NS", "path", "0.1353498"),
+        *_each("BP", "path", "0.3824688"),
+    ],
     "walker3d_figure9": [
         *_each("LP", "alpha", "0.1120038", "0.0675183"),
         *_each("NS", "alpha", "0.0741025"),

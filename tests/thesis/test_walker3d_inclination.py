@@ -116,8 +116,12 @@ BEGIN_ELSEWHERE = (
 )
 
 
+# They have nothing to continue.
+MOTIONS = ("walker3d_standing",)
+
+
 def test_run_files_are_in_the_table():
     for path in sorted(RUNS.glob("walker3d_*.yaml")):
         assert f"| `{path.stem}` |" in (RUNS / "README.md").read_text(encoding="utf-8")
-        if path.stem not in BEGIN_ELSEWHERE:
+        if path.stem not in (*BEGIN_ELSEWHERE, *MOTIONS):
             assert read_run_file(path).output.name == f"{path.stem}.h5"
