@@ -13,7 +13,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from contwalk.continuation.dips import dips
 from contwalk.continuation.locating import Disagreement, Found, accepted
+from contwalk.continuation.on_finest_steps import Subsegment
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.located import CROSSING
@@ -46,6 +48,11 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     Disagreement, LostBranch
         If one is passed and cannot be located.
     """
+    for place in dips(segment, ROUNDED):
+        before = Subsegment(segment.until(place), (0.0, place))
+        behind = Subsegment(segment.since(place), (place, 1.0))
+        points = [before.placed(point) for point in passed(before.part, begins)]
+        return points + [behind.placed(point) for point in passed(behind.part, begins=False)]
     limited, a, b = segment.problem.limited, segment.a, segment.b
     if limited is None:
         return []
@@ -53,7 +60,7 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     lost: dict[int, LostBranch | Disagreement] = {}
     for which in sorted(_changed(a.margins, b.margins, begins), key=lambda k: limited.limits[k].rank):
         first, last = float(a.margins[which]), float(b.margins[which])
-        if abs(first) <= BORN and last > 0.0:
+        if abs(first) <= (BORN if begins else ROUNDED) and last > 0.0:
             continue  # born there, or begun next to it, and gone to the machine's side
         # A solution that is a limit itself, to rounding, is on the machine's side: of two steps that meet
         # there one passes it.

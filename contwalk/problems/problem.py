@@ -210,27 +210,22 @@ class Limit(Protocol):
     @property
     def kind(self) -> str | None:
         """As of the special point where it passes zero."""
-        ...
 
     @property
     def name(self) -> str:
         """What it is."""
-        ...
 
     @property
     def acts(self) -> bool:
         """Whether something happens there."""
-        ...
 
     @property
     def type(self) -> LimitType:
         """The kind of special point where it passes zero."""
-        ...
 
     @property
     def rank(self) -> int:
         """Which of several that tell the same is told."""
-        ...
 
 
 class Limited(Protocol):
@@ -239,19 +234,18 @@ class Limited(Protocol):
     @property
     def limits(self) -> Sequence[Limit]:
         """The limits whose margins samples tell, in their order."""
-        ...
+
+    def margins(self, z: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Margins at a place, of shape (N + 1,) as the weights; NaN where they are not told off solutions."""
 
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
-        ...
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """In words, why solutions beyond a limit are not the machine's, and what is nearest to it."""
-        ...
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         """The branches beyond a limit, and in words what was found, or tried."""
-        ...
 
 
 class Anchored(Protocol):

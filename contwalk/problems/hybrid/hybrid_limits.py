@@ -35,6 +35,10 @@ class HybridLimits:
         """All that must stay positive for an orbit to be the machine's."""
         return self._orbit.limits
 
+    def margins(self, z: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Those of all limits; z and the weights have the shape (N + 1,)."""
+        return self._orbit.margins(z).relative
+
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
         orbit, z = self._orbit, np.array(point.unknowns)

@@ -82,6 +82,10 @@ class LimitsOnCurve:
         own = (*self._orbit.limits, *edges(self._orbit, curve))
         self.limits: Sequence[LimitOnCurve] = [LimitOnCurve(limit, curve.of) for limit in own]
 
+    def margins(self, z: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Not told off the curve; z and the weights have the shape (M + 1,)."""
+        return np.full(len(self.limits), np.nan)
+
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
         z, tangent = np.array(point.unknowns), np.array(point.tangent)
