@@ -66,7 +66,7 @@ def _keep_point(entry: dict[str, Any], index: int, name: str | None) -> None:
 
 
 def _print_text(database: FileDatabase, branch_name: str, point_name: str, points: bool, trust: bool) -> None:
-    from contwalk.cli.summary import print_branches, print_notes
+    from contwalk.cli.summary import print_branches, print_made, print_notes
     from contwalk.cli.terminal import console
 
     out = console()
@@ -76,6 +76,7 @@ def _print_text(database: FileDatabase, branch_name: str, point_name: str, point
     among = database.branches()
     chosen = [database.branch(branch_name)] if branch_name else among
     units = database.header.provenance.get("units") or {}
+    print_made(out, database.header.provenance)
     print_branches(out, database.header.system, database.header.model, chosen, among, units)
     if points:
         for branch in chosen:

@@ -42,6 +42,15 @@ def print_branches(
         line(out, "There are no branches.")
 
 
+def print_made(out: Console, provenance: Mapping[str, Any]) -> None:
+    """What a study is of and who has made it, where its run file says so."""
+    description, author = provenance.get("description"), provenance.get("author")
+    if description:
+        line(out, str(description))
+    if author:
+        line(out, f"by {author}")
+
+
 def print_notes(out: Console, notes: Sequence[str]) -> None:
     """Notes about the run as a whole."""
     if notes:

@@ -52,6 +52,8 @@ def document(db: Database, points: bool = False, only: Sequence[str] | None = No
     return {
         "schema_version": WITH_LOCI if curves else DOCUMENT_VERSION,
         "contwalk_version": str(header.provenance.get("contwalk_version", "unknown")),
+        "author": header.provenance.get("author"),
+        "description": header.provenance.get("description"),
         "system": header.system,
         "model": _json(header.model),
         "config": header.config,

@@ -261,6 +261,7 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
         "equations_sha256": equations_hash(run_file),
         "accuracy": run_file.accuracy,
         "engine": dict(run_file.engine),
+        **{key: run_file.data[key] for key in ("author", "description") if run_file.data.get(key)},
     }
 
 

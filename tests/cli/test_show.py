@@ -25,6 +25,22 @@ def test_branches(contwalk, database):
     assert contwalk("show", database, "b1").out.splitlines()[:3] == done.out.splitlines()[:3]
 
 
+def test_a_study_bears_its_author_and_what_it_is_of(contwalk, folder):
+    text = (folder / "run.yaml").read_text(encoding="utf-8")
+    told = "author: A. Walker\ndescription: a fork, for the first time\n"
+    (folder / "run.yaml").write_text(told + text, encoding="utf-8")
+    assert contwalk("continue", "run.yaml", "--quiet").code == 0
+    shown = contwalk("show", "fork.h5").out.splitlines()
+    assert shown[:3] == ["a fork, for the first time", "by A. Walker", "fork"]
+    document = json.loads(contwalk("show", "fork.h5", "--json").out)
+    assert (document["author"], document["description"]) == ("A. Walker", "a fork, for the first time")
+    jsonschema.validate(document, interface_schema())
+    # It is the same study, whoever signs it.
+    (folder / "run.yaml").write_text(text, encoding="utf-8")
+    assert contwalk("continue", "run.yaml", "--quiet", "--resume").code == 0
+    assert contwalk("continue", "run.yaml", "--set", "author=3", "--force").code == 2
+
+
 def test_json_obeys_the_schema(contwalk, database):
     for options in ((), ("--points",), ("b1",), ("b1/BP1",), ("b1/3", "--points")):
         done = contwalk("show", database, "--json", *options)

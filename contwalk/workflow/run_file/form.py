@@ -72,7 +72,7 @@ def study_of(other: str | Mapping[str, Any]) -> dict[str, Any] | None:
     try:
         data = parse_yaml(other, "the stored run file")[0] if isinstance(other, str) else other
         return RunModel.model_validate(data).model_dump(
-            exclude={"output", "figures", "simulate", "sample", "margins"}
+            exclude={"author", "description", "output", "figures", "simulate", "sample", "margins"}
         )
     except (RunFileError, ValidationError):
         return None

@@ -258,6 +258,8 @@ class RunModel(Section):
 
     contwalk: int = Field(default=1, ge=1, le=1, description="1, the version of this format")
     system: str = Field(description="an installed system's name, or the path of a plugin file, ./my_model.py")
+    author: str | None = Field(default=None, description="text: who has made the study")
+    description: str | None = Field(default=None, description="text: what the study is of")
     model: dict[str, Any] = Field(default={}, description="{choice: value, ...}")
     preset: str | None = Field(default=None, description="the name of a preset of the system")
     parameters: Values = Field(default={}, description="{parameter: value, ...}")
