@@ -15,7 +15,7 @@ from contwalk.system.checks import check_presets, check_references, entries_of
 from contwalk.system.declared import Declared, with_conserved
 from contwalk.system.modes import Condition, Mode, Transition
 from contwalk.system.names import SPLIT, is_number, nearest, require_callable, require_name, require_texts
-from contwalk.system.observables import Observable, Signal
+from contwalk.system.observables import Observable, Signal, with_extremes
 from contwalk.system.parameter_values import ParameterValues
 from contwalk.system.starts import Start
 from contwalk.system.symmetries import Conserved, Neutral, Symmetry
@@ -67,6 +67,7 @@ class System(Declared):
         for what, kind in _TUPLES.items():
             object.__setattr__(self, what, entries_of(self, what, kind))
         object.__setattr__(self, "parameters", with_conserved(self))
+        object.__setattr__(self, "observables", with_extremes(self.observables, self.signals))
         if self.period is not None:
             require_callable(f"The period of system '{self.name}'", self.period)
         if self.draw is not None:
