@@ -14,7 +14,7 @@ from . import three_link, two_link
 from .checks import CONDITIONS, WATCHED
 from .drawing import draw
 from .impacts import reset_at_heel_strike, reset_at_knee_strike
-from .observables import OBSERVABLES
+from .observables import OBSERVABLES, SIGNALS
 from .parameters import PARAMETERS, PRESETS
 from .states import IN_THREE_LINK, IN_TWO_LINK, LEGS, Q1, Q2, Q3, STATES
 
@@ -75,6 +75,7 @@ SYSTEM = System(
     ),
     symmetries=(LEGS,),
     observables=OBSERVABLES,
+    signals=SIGNALS,
     conditions=CONDITIONS,
     presets=PRESETS,
     draw=draw,

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.system import Observable
+from contwalk.system import Observable, Signal
 
 from .impacts import heel_strike, knee_strike
-from .states import Q1, Q2
+from .limbs import foot_centre_to_hip, leg_moment, shank_moment, thigh_moment, total_mass
+from .plane import combined
+from .states import Q1, Q2, Q3
 
 
 def rolled(q: Any, p: Any) -> Any:
@@ -89,4 +91,20 @@ OBSERVABLES = (
         "impact_loss", _impact_loss, "1", "share of the kinetic energy that is lost", at="heel_strike"
     ),
     Observable("knee_loss", _knee_loss, "1", "share of the kinetic energy that is lost", at="knee_strike"),
+)
+
+
+def _hip_height(t: Any, x: Any, p: Any) -> Any:
+    return foot_centre_to_hip(x[:, Q1], p)[1] + p.rf
+
+
+def _com_height(t: Any, x: Any, p: Any) -> Any:
+    swings = (1.0, thigh_moment(x[:, Q2], p)), (1.0, shank_moment(x[:, Q2] - x[:, Q3], p))
+    below = combined((1.0, leg_moment(x[:, Q1], p)), *swings)[1] / total_mass(p)
+    return _hip_height(t, x, p) + below
+
+
+SIGNALS = (
+    Signal("hip_height", _hip_height, "m", "height of the hip above the slope"),
+    Signal("com_height", _com_height, "m", "height of the centre of mass above the slope", extremes=True),
 )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 Vector = tuple[Any, Any]
 
 
@@ -34,8 +36,8 @@ def quarter_turn(a: Vector) -> Vector:
 
 def hanging(angle: Any, forward: Any, down: Any) -> Vector:
     """A vector given in the frame of a limb at this angle: so far forward of it, so far down along it."""
-    sine = math.sin(angle)
-    cosine = math.cos(angle)
+    sine = np.sin(angle)
+    cosine = np.cos(angle)
     return forward * cosine + down * sine, forward * sine - down * cosine
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from contwalk.system import Observable, Signal
 
 from .bodies import total_mass
+from .centre import centre_of_mass
 from .forces import ground_force
 from .model import TWO_SIDED, Model
 from .motion import toe_place, toe_velocity
@@ -148,15 +149,39 @@ def _friction_needed(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model, a
     return np.where(bears, shown * force[axis] / normal, np.nan)
 
 
+def _centre(t: Any, x: Any, p: Any, model: Model, axis: int) -> Any:
+    """Where the centre of mass is on the slope, as it has moved; axis 1 is its height."""
+    from_hip = centre_of_mass(x.T, p, model)[axis]
+    return from_hip + (x[:, Q2] if axis == 1 else way(t, x)[:, axis // 2])
+
+
+def _load(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
+    return force_of_ground(x, p, leg, toe, model)[1]
+
+
 def make_signals(model: Model) -> tuple[Signal, ...]:
-    """What figures show along a motion: heights of toes, and the friction they need."""
-    found = []
+    """What figures show along a motion: the centre of mass, heights of toes, and the forces on them."""
+    found = [
+        Signal(
+            f"com_{name}",
+            _of(_centre, model=model, axis=axis),
+            "m",
+            words,
+            extremes=axis == 1,
+        )
+        for name, axis, words in (
+            ("side", 0, "way of the centre of mass to the side"),
+            ("height", 1, "height of the centre of mass above the slope"),
+            ("down", 2, "way of the centre of mass downhill"),
+        )
+    ]
     for leg in LEGS:
         for toe in TOES:
             of = {"leg": leg, "toe": toe, "model": model}
             name = f"{leg}{toe}"
             found += [
                 Signal(f"height{name}", _of(_height, **of), "m", f"height of toe {name}"),
+                Signal(f"load{name}", _of(_load, **of), "N", f"force of the ground on toe {name}, upwards"),
                 *(
                     Signal(
                         f"friction_{way}{name}",
