@@ -15,18 +15,20 @@ from contwalk.system import Transition
 from .contacts import (
     DAMPED,
     OFF,
+    SLACK,
     UNDAMPED,
     Contacts,
     LegContact,
     mode_name,
     with_knee,
     with_leg,
+    with_rebound,
     with_toe,
 )
 from .dips import make_dips
-from .model import TWO_SIDED, Model
+from .model import CLIPPED, REBOUND, TWO_SIDED, Model
 from .motion import toe_place, toe_velocity
-from .states import KNEE, LEGS, STATES, TOES, anchor
+from .states import KNEE, KNEE_RATE, LEGS, STATES, TOES, anchor
 
 Guard = Callable[[Any, Any, Any], Any]
 
@@ -39,6 +41,8 @@ class Functions:
     rising: Mapping[tuple[int, int], Guard]
     landed: Mapping[tuple[int, int], Callable[..., None]]
     knee: Mapping[int, Guard]
+    bending: Mapping[int, Guard]
+    pressing: Mapping[tuple[int, int], Guard]
     dips: Mapping[tuple[int, int], Mapping[str, Guard]]
 
 
@@ -50,6 +54,8 @@ def make_functions(model: Model) -> Functions:
         rising={end: _rising(*end, model) for end in ends},
         landed={end: _landed(*end, model) for end in ends},
         knee={leg: _knee(leg) for leg in LEGS},
+        bending={leg: _bending(leg) for leg in LEGS},
+        pressing={end: _pressing(*end, model) for end in ends},
         dips={end: make_dips(*end, model) for end in ends},
     )
 
@@ -64,7 +70,7 @@ def make_transitions(contacts: Contacts, functions: Functions, model: Model) -> 
 
         for toe in TOES:
             yield from _of_toe(leg, toe, contact, source, to, functions, model)
-        yield _of_knee(leg, contact, source, to, functions)
+        yield from _of_knee(leg, contact, source, to, functions, model)
 
 
 def _of_toe(
@@ -102,7 +108,7 @@ def _of_toe(
             role="soft",
             about=f"toe {leg}{toe} moves into the ground again: the damper acts",
         )
-    elif model.ground_damper != TWO_SIDED:
+    elif state == DAMPED and model.ground_damper != TWO_SIDED:
         yield Transition(
             f"{name}_unloads",
             source,
@@ -112,7 +118,18 @@ def _of_toe(
             role="soft",
             about=f"toe {leg}{toe} moves out of the ground: the damper lets go",
         )
-    if state == UNDAMPED or model.ground_damper == TWO_SIDED:
+    if model.ground_damper == CLIPPED and state in (UNDAMPED, SLACK):
+        falls = state == UNDAMPED
+        yield Transition(
+            f"{name}_{'slackens' if falls else 'presses'}",
+            source,
+            to(with_toe(contact, toe, SLACK if falls else UNDAMPED, model)),
+            functions.pressing[end],
+            direction="falling" if falls else "rising",
+            role="soft",
+            about=f"spring and damper would {'pull' if falls else 'push'} toe {leg}{toe} from here on",
+        )
+    if state in (UNDAMPED, SLACK) or model.ground_damper == TWO_SIDED:
         yield Transition(
             f"{name}_off",
             source,
@@ -125,15 +142,34 @@ def _of_toe(
 
 
 def _of_knee(
-    leg: int, contact: LegContact, source: str, to: Callable[[LegContact], str], functions: Functions
-) -> Transition:
+    leg: int,
+    contact: LegContact,
+    source: str,
+    to: Callable[[LegContact], str],
+    functions: Functions,
+    model: Model,
+) -> Iterator[Transition]:
+    if contact.locked and model.knee_damper == REBOUND:
+        back = contact.rebounds
+        yield Transition(
+            f"knee{leg}_{'returns' if back else 'rebounds'}",
+            source,
+            to(with_rebound(contact, not back)),
+            functions.bending[leg],
+            direction="falling" if back else "rising",
+            role="soft",
+            about=f"knee {leg} moves {'into' if back else 'off'} its stop",
+        )
+        if not back:
+            return
     guard, target = functions.knee[leg], to(with_knee(contact, not contact.locked))
     if contact.locked:
         about = f"knee {leg} bends: its stop lets go"
-        return Transition(
+        yield Transition(
             f"knee{leg}_unlocks", source, target, guard, direction="rising", about=about, level=True
         )
-    return Transition(
+        return
+    yield Transition(
         f"knee{leg}_locks",
         source,
         target,
@@ -164,6 +200,25 @@ def _knee(leg: int) -> Guard:
         return x[place]
 
     return angle
+
+
+def _bending(leg: int) -> Guard:
+    place = KNEE_RATE[leg]
+
+    def rate(t: Any, x: Any, p: Any) -> Any:
+        return x[place]
+
+    return rate
+
+
+def _pressing(leg: int, toe: int, model: Model) -> Guard:
+    """What spring and damper of the ground do to a toe that moves out of it; the ground cannot pull."""
+
+    def force(t: Any, x: Any, p: Any) -> Any:
+        height, speed = toe_place(x, p, leg, toe, model)[1], toe_velocity(x, p, leg, toe, model)[1]
+        return -(p.k_y * height + p.c_y_rebound * speed)
+
+    return force
 
 
 def _landed(leg: int, toe: int, model: Model) -> Callable[..., None]:

@@ -45,7 +45,7 @@ def make_field(model: Model) -> Callable[..., None]:
         equations = free_walker(x, p, model, frame, legs)
         for number, leg in legs.items():
             act_of_ground(equations, x, p, number, leg, frame, model)
-            act_of_knee(equations, x, p, number)
+            act_of_knee(equations, x, p, number, model)
         act_of_hips(equations, x, p, model)
         found = solved(equations.matrix, equations.forces, order)
 

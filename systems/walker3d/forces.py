@@ -6,7 +6,7 @@ from typing import Any
 
 from .equations import SHANK, THIGH, TORSO, V1, V2, V3, W5, W6, Equations, force
 from .frames import Attitude, Vector, from_slope, to_slope
-from .model import LOCKED, SPRUNG, TWO_SIDED, Model
+from .model import CLIPPED, LOCKED, REBOUND, SPRUNG, TWO_SIDED, Model
 from .motion import Leg, toe, velocity
 from .states import KNEE, KNEE_RATE, LEGS, Q2, Q4, THIGH_ANGLE, THIGH_RATE, TOES, U4, anchor
 
@@ -17,7 +17,9 @@ def ground_force(
     """Force of the ground on a toe (16), along the axes of the slope.
 
     To the side and downhill a spring and a damper hold the toe to the place where it touched down; upwards a
-    spring pushes it, and a damper where it moves into the ground. A toe that is off the ground has flags 0.
+    spring pushes it, and a damper where it moves into the ground. A toe that is off the ground has flags 0. A
+    clipped force (Paper 7, 2.8.4, the second `toefy`) has a damper where it moves out of it too, and none at
+    all where both together would pull.
 
     Parameters
     ----------
@@ -28,9 +30,13 @@ def ground_force(
     """
     on = getattr(p, f"on{end}")
     damped = on if model.ground_damper == TWO_SIDED else getattr(p, f"damped{end}")
+    pressed, damping = on, damped * p.c_y
+    if model.ground_damper == CLIPPED:
+        pressed = getattr(p, f"pressed{end}")
+        damping = damping + getattr(p, f"rising{end}") * p.c_y_rebound
     return (
         (on * p.k_x) * (held[0] - place[0]) - (on * p.c_x) * speed[0],
-        -((on * p.k_y) * place[1] + (damped * p.c_y) * speed[1]),
+        -((pressed * p.k_y) * place[1] + damping * speed[1]),
         (on * p.k_z) * (held[1] - place[2]) - (on * p.c_z) * speed[2],
     )
 
@@ -56,10 +62,17 @@ def act_of_ground(
     force(equations, THIGH[number], leg.arm[0] * at_knee[2] - leg.arm[1] * at_knee[1])
 
 
-def act_of_knee(equations: Equations, x: Any, p: Any, number: int) -> None:
-    """Add the torque in a knee in hyperextension (10): a spring, and a damper in both directions."""
+def act_of_knee(equations: Equations, x: Any, p: Any, number: int, model: Model) -> None:
+    """Add the torque in a knee in hyperextension (10): a spring, and a damper in both directions.
+
+    With a rebound of its own (Paper 7, (12)) the damper is another one as the knee moves off its stop: with
+    none it is a stop, with a strong one the knee sticks to it.
+    """
     stop = getattr(p, f"stop{number}")
-    torque = (stop * p.k_knee) * x[KNEE[number]] + (stop * p.c_knee) * x[KNEE_RATE[number]]
+    damping = stop * p.c_knee
+    if model.knee_damper == REBOUND:
+        damping = damping + getattr(p, f"rebound{number}") * (p.c_knee_rebound - p.c_knee)
+    torque = (stop * p.k_knee) * x[KNEE[number]] + damping * x[KNEE_RATE[number]]
     force(equations, SHANK[number], -torque)
     force(equations, THIGH[number], torque)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from contwalk.system import Choice
 
-ONE_SIDED, TWO_SIDED = "one_sided", "two_sided"
+ONE_SIDED, TWO_SIDED, CLIPPED, REBOUND = "one_sided", "two_sided", "clipped", "rebound"
 DAMPED, SPRUNG, LOCKED = "damped", "sprung", "locked"
 MIRRORED, FREE = "mirrored", "free"
 DISREGARDED, FELT = "disregarded", "felt"
@@ -16,14 +16,21 @@ CHOICES = (
     Choice(
         "ground_damper",
         ONE_SIDED,
-        (ONE_SIDED, TWO_SIDED),
-        about="whether the ground damps a toe that moves into it only, or in both directions",
+        (ONE_SIDED, TWO_SIDED, CLIPPED),
+        about="whether the ground damps a toe that moves into it only, or in both directions; or with two "
+        "dampings, and never pulls",
     ),
     Choice(
         "hip",
         DAMPED,
         (DAMPED, SPRUNG, LOCKED),
         about="what holds the torso: dampers, dampers and springs, or gears that make it bisect the legs",
+    ),
+    Choice(
+        "knee_damper",
+        TWO_SIDED,
+        (TWO_SIDED, REBOUND),
+        about="whether the stop of a knee damps alike in both directions, or otherwise as the knee rebounds",
     ),
     Choice(
         "legs",
@@ -52,6 +59,7 @@ class Model:
 
     ground_damper: str = ONE_SIDED
     hip: str = DAMPED
+    knee_damper: str = TWO_SIDED
     legs: str = MIRRORED
     scuffing: str = DISREGARDED
     torso: str = GENERAL

@@ -19,7 +19,7 @@ from contwalk.system import Observable, Signal
 from .bodies import total_mass
 from .centre import centre_of_mass
 from .forces import ground_force
-from .model import TWO_SIDED, Model
+from .model import CLIPPED, TWO_SIDED, Model
 from .motion import toe_place, toe_velocity
 from .states import KNEE, LEGS, Q1, Q2, Q3, TOES, anchor
 
@@ -63,11 +63,19 @@ def force_of_ground(x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
     """Force on a toe along the axes of the slope; shape (3, k)."""
     columns, end = x.T, f"{leg}{toe}"
     place, speed = (move(columns, p, leg, toe, model) for move in (toe_place, toe_velocity))
+    full = speed[1]
     if model.ground_damper != TWO_SIDED:
         speed = speed[0], -larger(-speed[1], 0.0), speed[2]
     touches = np.where(on_ground(x, leg, toe), 1.0, 0.0)
     acting = SimpleNamespace(**{**vars(p), f"on{end}": touches, f"damped{end}": touches})
     side, down = anchor(leg, toe)
+    if model.ground_damper == CLIPPED:
+        rises = np.where(full > 0.0, touches, 0.0)
+        pulls = p.k_y * place[1] + p.c_y_rebound * full > 0.0
+        slack = np.where(pulls, rises, 0.0)
+        flags = {"rising": rises - slack, "damped": touches - rises, "pressed": touches - slack}
+        vars(acting).update({f"{name}{end}": flag for name, flag in flags.items()})
+        speed = speed[0], full, speed[2]
     return np.stack(ground_force(place, speed, (columns[side], columns[down]), acting, end, model))
 
 

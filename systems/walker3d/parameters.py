@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from contwalk.system import Parameter
 
-from .model import BALANCED, LOCKED, MIRRORED, SPRUNG, Model
+from .model import BALANCED, CLIPPED, LOCKED, MIRRORED, REBOUND, SPRUNG, Model
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
@@ -106,6 +106,10 @@ def _named(name: str, value: float, table: Mapping[str, float], model: Model) ->
         for leg in (1, 2):
             mirrored = leg == 2 and name.endswith(_ODD)
             yield _of_leg(name, leg), -value if mirrored and value else value
+    if name == "c_knee" and model.knee_damper == REBOUND:
+        yield "c_knee_rebound", value
+    if name == "c_y" and model.ground_damper == CLIPPED:
+        yield "c_y_rebound", value
     if name == "c_hip" and model.hip == SPRUNG:
         yield "k_hip", 0.0
         yield "hip_rest", 0.0
@@ -130,6 +134,12 @@ _MEANING = {
     "g": ("m/s2", (0.0, None), "gravity"),
     "k_knee": ("N m/rad", (0.0, None), "stiffness of a knee in hyperextension"),
     "c_knee": ("N m s/rad", (0.0, None), "damping of a knee in hyperextension"),
+    "c_knee_rebound": (
+        "N m s/rad",
+        (0.0, None),
+        "damping of a knee that moves off its stop: with none it is a stop, with much it sticks",
+    ),
+    "c_y_rebound": ("N s/m", (0.0, None), "damping of the ground of a toe that moves out of it"),
     "c_hip": ("N m s/rad", (0.0, None), "damping between torso and each thigh"),
     "k_hip": ("N m/rad", (0.0, None), "stiffness between torso and each thigh"),
     "hip_rest": ("rad", (None, None), "angle of a thigh from the torso where its hip spring rests"),

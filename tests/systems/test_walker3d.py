@@ -82,6 +82,8 @@ CHOICES = [
     {"hip": "locked"},
     {"torso": "balanced"},
     {"torso": "balanced", "hip": "locked"},
+    {"knee_damper": "rebound"},
+    {"ground_damper": "clipped"},
 ]
 
 
@@ -91,7 +93,9 @@ def test_accelerations_are_those_of_kanes_equations(choices):
     random, system = np.random.default_rng(3), walker(**choices)
     p, machine = random_machine(random, **choices)
     x = random_state(random)
-    for mode in (system.modes[0].name, system.modes[len(system.modes) // 3].name):
+    # The last but some have a knee that rebounds, and toes that nothing holds down.
+    numbers = 0, len(system.modes) // 3, *((len(system.modes) // 2 + 5,) if len(system.modes) > 400 else ())
+    for mode in (system.modes[number].name for number in numbers):
         exists = set(system.states_of(mode))
         x = np.array([value if i in exists else 0.0 for i, value in enumerate(x)])
         found = rates(system, mode, x, p)

@@ -131,11 +131,13 @@ def toe_forces(machine: Machine, x: list[Any], contact: dict[str, float]) -> dic
     toes, speeds, found = machine.placed(q)[1], partials(machine, q, u), {}
     for number, (name, place) in enumerate(toes.items()):
         v, held = speeds[name][0], anchors[2 * number : 2 * number + 2]
-        damped = contact.get(f"damped{name}", contact[f"on{name}"])
+        damped = contact.get(f"damped{name}", contact[f"on{name}"]) * p["c_y"]
+        damped += contact.get(f"rising{name}", 0) * p.get("c_y_rebound", 0)
+        pressed = contact.get(f"pressed{name}", 1)
         found[name] = contact[f"on{name}"] * matrix(
             [
                 -p["k_x"] * (place[0] - q[0] - held[0]) - p["c_x"] * v[0],
-                -p["k_y"] * place[1] - damped * p["c_y"] * v[1],
+                -pressed * p["k_y"] * place[1] - damped * v[1],
                 -p["k_z"] * (place[2] - q[2] - held[1]) - p["c_z"] * v[2],
             ]
         )
@@ -147,7 +149,8 @@ def torques(machine: Machine, x: list[Any], contact: dict[str, float]) -> dict[s
     q, u, p = x[:10], x[18:], {name: mpf(value) for name, value in machine.p.items()}
     found = dict.fromkeys(("torso", "thigh1", "thigh2", "shank1", "shank2"), mpf(0))
     for leg, thigh_at, knee_at in LIMBS:
-        stop = contact[f"stop{leg}"] * (p["k_knee"] * q[knee_at] + p["c_knee"] * u[knee_at])
+        damping = p["c_knee_rebound"] if contact.get(f"rebound{leg}", 0) else p["c_knee"]
+        stop = contact[f"stop{leg}"] * (p["k_knee"] * q[knee_at] + damping * u[knee_at])
         found[f"thigh{leg}"] += stop
         found[f"shank{leg}"] -= stop
         if not machine.geared:
