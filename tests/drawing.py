@@ -35,7 +35,10 @@ def draw(variants: Sequence[Variant], most: int | None, dice: random.Random) -> 
 
 
 def leave_to_long(items: Sequence[pytest.Item], seed: str) -> None:
-    """Mark variants that are not drawn as slow and long; those that are long anyway are no part of a draw."""
+    """Mark variants that are not drawn as long; those that are long anyway are no part of a draw.
+
+    What is long is slow as well.
+    """
     groups: dict[tuple[str, bool], list[pytest.Function]] = defaultdict(list)
     for item in items:
         mark = item.get_closest_marker("drawn")
@@ -47,8 +50,10 @@ def leave_to_long(items: Sequence[pytest.Item], seed: str) -> None:
         chosen = draw(_numbered(group), most, random.Random(f"{seed} {test}"))
         for k, item in enumerate(group):
             if k not in chosen:
-                item.add_marker(pytest.mark.slow)
                 item.add_marker(pytest.mark.long)
+    for item in items:
+        if item.get_closest_marker("long") is not None:
+            item.add_marker(pytest.mark.slow)
 
 
 def _numbered(group: Sequence[pytest.Function]) -> list[dict[str, int]]:
