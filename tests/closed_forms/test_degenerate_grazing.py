@@ -52,6 +52,7 @@ def branch() -> Branch:
     return diagram(SYSTEM, "w", (0.01, 0.3), [0.1], until="settled", mode="blind")[0]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("order", [("b", "w"), ("w", "b")])
 def test_a_curve_of_grazings_turns_in_a_cusp(order: tuple[str, str]) -> None:

@@ -55,7 +55,7 @@ def soft_grazings() -> Branch:
     return soft_transitions("GR1", (0.05, 1.5), {"omega": (1.1, 1.25), "force": (0.05, 1.5)})
 
 
-@pytest.mark.drawn(3)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("follow", [folds, doublings, tori, soft_folds, soft_grazings])
 def test_one_direction_gives_what_all_give(
     follow: Callable[[], Branch], monkeypatch: pytest.MonkeyPatch

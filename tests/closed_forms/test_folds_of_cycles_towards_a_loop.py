@@ -72,6 +72,7 @@ def test_folds_end_where_they_come_to_a_loop(tmp_path):
         assert abs(curve["P"][-1]) > 3.71
 
 
+@pytest.mark.long
 def test_folds_along_a_canard_are_followed_on_finer_steps_in_more_segments(tmp_path):
     """Deviations grow by 1e8 there, and the folds crept in steps of 1e-3 and less, to a period of 13."""
     _, found, _ = studied(tmp_path, "ab", AB, AB_RUN)

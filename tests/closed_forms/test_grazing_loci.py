@@ -70,7 +70,7 @@ def assert_tangency(curve: Branch) -> None:
         assert found["tangency_omega_error"] < 1e-8 * abs(found["tangency_omega"])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_grazing_curve_to_the_last_digits() -> None:
     curve = followed(branches(0.98)[0], "GR1", (0.5, 1.5), accuracy=1e-13)
     assert np.max(np.abs(curve["force"] - touching(curve["omega"]))) < 1e-12

@@ -79,7 +79,7 @@ def start(T: float) -> list[float]:
     return [math.exp(-T), 0.0, 1.0 / (1.0 - S * math.exp(-G * T))]
 
 
-@pytest.fixture(scope="module", params=[None, 0.5])
+@pytest.fixture(scope="module", params=[None, pytest.param(0.5, marks=pytest.mark.long)])
 def branch(request):
     given = {"lam": parameter(1.0)}
     system = repelling(request.param)
@@ -164,7 +164,7 @@ def whole():
     return fine, z
 
 
-@pytest.fixture(scope="module", params=[2, 3])
+@pytest.fixture(scope="module", params=[2, pytest.param(3, marks=pytest.mark.long)])
 def parts(request, whole):
     return cut(*whole, request.param)
 

@@ -113,7 +113,7 @@ def nearest(branch: Branch, label: str, first: float, second: float) -> SpecialP
     return min(points, key=lambda p: abs(p.parameters[one] - first) + abs(p.parameters[two] - second))
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(("name", "start"), KNOWN)
 def test_points_of_published_systems(name, start) -> None:
     found = curve(name, start)
@@ -189,6 +189,7 @@ def test_critical_eigenvalues_of_lorenz84_vanish_as_told() -> None:
             assert real.max() < (1e-6 if point.label == "BT" else 1e-13)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("name", "hopf", "fold"), [("bazykin", "HB1", "LP1"), ("co_oxidation", "HB1", "LP2")]
 )

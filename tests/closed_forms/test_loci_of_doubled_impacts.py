@@ -24,6 +24,7 @@ figures: []
 """
 
 
+@pytest.mark.long
 def test_a_curve_whose_limit_is_on_the_other_half_is_known(tmp_path):
     """The dip that touches is on the eighth leg where one branch ends, on the third where the other does."""
     _, found, notes = studied(tmp_path, "walls", PLUGIN, RUN)

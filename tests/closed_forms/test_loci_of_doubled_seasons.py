@@ -12,7 +12,7 @@ import pytest
 from loci_of_orbits import studied
 from scipy.integrate import solve_ivp
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 PLUGIN = """
 import math

@@ -75,6 +75,7 @@ def test_every_curve_of_the_resonance_is_found(tmp_path):
     assert end.parameters["e2"] == 0.45
 
 
+@pytest.mark.long
 def test_tori_of_doubled_orbits_end_where_these_become_single():
     x = math.sqrt(0.1)
     start = [x, 0.0]
@@ -99,6 +100,7 @@ def leslie():
     )
 
 
+@pytest.mark.long
 def test_both_curves_of_tori_begin_where_states_are_far_larger_than_their_scale() -> None:
     """The tori of doubled orbits are sixty times as large as a scale of one lets expect.
 

@@ -65,6 +65,7 @@ def test_normal_forms_are_the_same_from_both_curves(curves) -> None:
                 assert b.coefficients[name] == pytest.approx(value, rel=1e-7, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_cusp_at_zero_is_known_no_better_than_the_multiplier_one() -> None:
     system = map_as_machine(
         lambda x, p: (x[0] + p.mu + p.nu * x[0] - x[0] ** 3,), "x", {"mu": 0.0, "nu": 0.3}

@@ -21,6 +21,7 @@ output: {name}.h5
 """
 
 
+@pytest.mark.long
 def test_branch_points_and_not_folds_begin_where_both_multipliers_are_one(tmp_path) -> None:
     """Multipliers of zero solve m^2 - d m + be = 0: branch points where be = d - 1, tori where be = 1."""
     text = RUN.format(name="cubic", x=0.0, free="d", range=[-3, 3])

@@ -54,6 +54,7 @@ def test_folds_of_a_map(bend) -> None:
     assert_crossed(cw.continue_locus(system, branch, "LP1", RANGES, **FINE), bend)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bend", [0.0, pytest.param(0.2, marks=pytest.mark.long)])
 def test_a_marked_value_of_a_map(bend) -> None:
     """The gradient of what is held vanishes there, and is one of differences: steps are short beside it."""
@@ -63,6 +64,7 @@ def test_a_marked_value_of_a_map(bend) -> None:
     assert_crossed(cw.continue_locus(system, branch, "UZ1", RANGES, **FINE), bend, most=400)
 
 
+@pytest.mark.long
 @pytest.mark.drawn(1)
 @pytest.mark.parametrize("bend", [0.0, 0.2])
 def test_folds_of_cycles(bend) -> None:
@@ -104,6 +106,7 @@ def test_the_other_curve_is_followed_from_there(tmp_path) -> None:
     assert (curves[1]["lam"].min(), curves[1]["lam"].max()) == (-0.3, 0.5)
 
 
+@pytest.mark.long
 def test_units_make_no_difference() -> None:
     """Parameters of the sizes 1e8 and 1e-8, a state of 1e-6: as many points, and errors of the same parts."""
     large, small, size = 1e8, 1e-8, 1e-6

@@ -142,6 +142,7 @@ def crossing(image, states: str, last: float, nu: float, point: str) -> Branch:
     return cw.continue_locus(system, branch, point, {"mu": (-0.5, 0.5), "nu": (-0.3, 0.2)}, **FINE)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("image", "states", "last", "point", "label"),
     [
@@ -162,6 +163,7 @@ def test_where_a_multiplier_of_a_face_passes_one_the_curves_of_both_branches_cro
     assert_known_at(found, label, [(0.0, 0.0)])
 
 
+@pytest.mark.long
 def test_the_curves_of_both_branches_from_the_branch_points_of_a_face() -> None:
     system = map_as_machine(flipping, "xy", {"nu": -0.23, "mu": 0.1})
     branch = branch_of(system, "nu", (-0.3, 0.2), [0.0, 0.0])
@@ -210,6 +212,7 @@ figures: []
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("followed", ["BP", pytest.param("LPPD", marks=pytest.mark.long)])
 def test_where_doublings_on_a_face_become_transversally_unstable_three_curves_are_followed(
     tmp_path, followed

@@ -91,6 +91,7 @@ def test_the_curve_of_folds_is_the_one_of_hard_transitions() -> None:
     assert largest(soft["omega"]) > one.parameters["omega"] - 1e-12  # it has both of its branches
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("force", CUTS)
 def test_branches_along_one_parameter_fold_on_it(force) -> None:
     """Marked points of the curve are solved for on their own, and told with their errors."""
@@ -195,7 +196,7 @@ def stopped() -> System:
     return replace(soft, transitions=(*soft.transitions, stop))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_grazing_is_followed_though_its_leg_is_divided_by_soft_transitions() -> None:
     """The curve from the grazing at one frequency has that of another one, found along the force alone."""
     ranges, marks = {"omega": (0.95, 1.25), "force": (0.05, 1.5)}, {"omega": [1.0]}
@@ -240,6 +241,7 @@ def up_to_the_stop(downwards: float, omega: float) -> Branch:
     return found[0]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("downwards", [0.3, 0.9])
 def test_a_grazing_at_the_instant_of_a_soft_transition_is_followed(downwards) -> None:
     """The instant lay in either of two pieces by rounding, and in the latter nothing touches the stop: the

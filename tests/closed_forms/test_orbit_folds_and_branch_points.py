@@ -29,6 +29,7 @@ def bautin_rows(branch):
         assert abs(row["spectrum"][0] - exact) <= max(row["spectrum_error"], 10 * WALKED)
 
 
+@pytest.mark.long
 def test_the_fold_of_cycles():
     problem = orbits(bautin(), "mu")
     square = 0.5 + math.sqrt(0.9 - 0.75)
@@ -80,7 +81,7 @@ def test_from_the_subcritical_hopf_point_round_the_fold():
 
 # Without a declared scale, a state that is zero on the whole branch has its size from nothing but its
 # motion across.
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("tilt", "scale"), [(0.0, 1.0), (0.0, None), (0.6, None)])
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_the_pitchfork_of_cycles(sign, tilt, scale):
@@ -114,7 +115,7 @@ def test_the_pitchfork_of_cycles(sign, tilt, scale):
     assert other["z"][0] * other["z"][-1] < 0.0 or tilt
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("tilt", "scale"), [(0.0, 1.0), (0.0, None), (-0.4, None)])
 def test_the_transcritical_point_of_cycles(tilt, scale):
     """zeta' = (lam - 1 - zeta) zeta: the other branch is zeta = lam - 1, and they exchange stability."""
@@ -152,7 +153,7 @@ def crossed(p, zeta):
     return (p.lam - 1.0 - zeta) * zeta
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
 def test_a_transcritical_point_at_a_state_of_unknown_size(unit):
     """zeta' = (lam - 1 - zeta) zeta from the cycles with zeta = 0: they cross in whatever unit of z.
@@ -165,6 +166,7 @@ def test_a_transcritical_point_at_a_state_of_unknown_size(unit):
     assert abs(point.coefficients["c12"]) == pytest.approx(math.pi, rel=COEFFICIENT)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("unit", [1.0, 1e6])
 def test_the_same_point_from_the_cycles_that_cross(unit):
     """From the cycles with zeta = lam - 1, where z has a size until it is met: they say the same."""
@@ -175,7 +177,7 @@ def test_the_same_point_from_the_cycles_that_cross(unit):
     assert (point.label, point.kind, point.criticality) == ("BP", "transcritical", None)
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("sign", "unit"), [(1.0, 1.0), (-1.0, 1.0), (1.0, 1e6), (-1.0, 1e6)])
 def test_a_pitchfork_at_a_state_of_unknown_size(sign, unit):
     """zeta' = (lam - 1) zeta +- zeta^3: no quadratic term in any unit, and c = +- pi unit^2."""

@@ -69,7 +69,7 @@ def assert_multipliers(branch, exact):
         assert abs(found[0] - wanted[0]) <= row["spectrum_error"]
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("moving", [True, False])
 @pytest.mark.parametrize("size", [1e3, 1e12])
 def test_multipliers_of_far_different_sizes(size, moving):
@@ -86,6 +86,7 @@ def test_multipliers_of_far_different_sizes(size, moving):
     assert_multipliers(branch, lambda lam: [size, 1.0 / size, math.exp(-lam * PERIOD)])
 
 
+@pytest.mark.long
 def test_a_complex_pair_far_outside_and_one_far_inside():
     """1e12 exp(+-1.3 i) and 1e-12: the pair's angle is right too."""
     rate = math.log(1e12) / PERIOD
@@ -133,7 +134,7 @@ def test_negative_multipliers():
     assert_multipliers(branch, lambda lam: [-(1e5**lam), -(1e-5**lam), math.exp(-0.3 * lam * PERIOD)])
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("segments", [1, 2, 5, 16])
 def test_any_number_of_segments_gives_the_same(segments):
     fixed = similar(np.diag([2.0, -1.0, -0.2]))

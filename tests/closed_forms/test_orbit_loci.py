@@ -76,6 +76,7 @@ class TestSmoothOrbits:
         assert largest(curve["mu"] + curve["a"] ** 2 / 4.0) < WALKED
         assert 0.0 < curve["a"].min() < 1e-3
 
+    @pytest.mark.long
     def test_both_ends_are_met_exactly(self):
         system = folding()
         curve = walked(
@@ -94,6 +95,7 @@ class TestSmoothOrbits:
         assert ends[1][0] == 1.3
         assert ends[0][0] == pytest.approx(math.sqrt(0.4), abs=WALKED)
 
+    @pytest.mark.long
     def test_a_cusp_of_cycles(self):
         system = cusped()
         branch = cw.continue_branch(orbits(system, "lam"), [1.0, 0.0], (-0.5, 0.5), period=np.pi)
@@ -123,6 +125,7 @@ class TestSmoothOrbits:
         assert largest(curve["lam"] - (1.0 - 0.2 * curve["sigma"] ** 2)) < WALKED
         assert_at(curve, "GPD", [(1.0 - 0.2 * 1.5**2, -1.5)])
 
+    @pytest.mark.long
     def test_tori_their_resonances_and_where_they_change_sides(self):
         curve = walked(
             turning(),
@@ -180,6 +183,7 @@ class TestMapsAsMachines:
         assert max(curve["beta"]) == pytest.approx(0.3, abs=1e-9)  # all of it is to one side
         assert min(curve["alpha"]) == 0.5
 
+    @pytest.mark.long
     def test_henons_tori(self):
         """The map preserves areas there: no cubic coefficient, and signs of noise tell no Chenciner point."""
         ranges = {"alpha": (-1.5, 3.5), "beta": (0.2, 1.8)}
@@ -193,6 +197,7 @@ class TestMapsAsMachines:
         assert largest(curve["x"][saddles & (curve["cos_theta"] < 0.0)]) > 1.0
         assert np.all(curve["x"][curve["cos_theta"] > 1.0] < -1.0)
 
+    @pytest.mark.long
     def test_a_cusp_and_a_generalized_doubling_of_maps(self):
         """x -> x + mu + nu x - x^3 and x -> -(1 + mu) x + a x^2 + b x^3, a = 1/2: GPD at b = -a^2."""
         system = map_as_machine(

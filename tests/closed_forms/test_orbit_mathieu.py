@@ -56,7 +56,7 @@ def test_the_determinant_itself():
     np.testing.assert_allclose(borders(1.0, 0.0, 0)[1:3], [3.9170247730, 4.3713009827], atol=1e-9)
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("q", "c"), [(1.0, 0.1), (2.0, 0.1), (5.0, 0.5), (0.5, 0.05)])
 @pytest.mark.parametrize("cubic", [0.0, 1.0])
 def test_borders_of_the_first_tongues(q, c, cubic):
@@ -90,6 +90,7 @@ def test_borders_of_the_first_tongues(q, c, cubic):
         assert np.all(row["state"] == 0.0)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", ["BP", "PD"])
 def test_orbits_leave_the_trivial_one_to_larger_a(name):
     """A hardening cubic adds to a what amplitude takes: orbits born at a border exist below it in a."""

@@ -24,7 +24,7 @@ def exact_multipliers(lam, sigma, beta, kappa):
     return sorted(values, key=abs, reverse=True)
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("sigma", "beta", "kappa"), [(-1.0, 0.0, 0.0), (0.7, 0.0, 0.0), (-1.0, 3.0, 0.5), (1.0, -3.0, 0.5)]

@@ -23,6 +23,7 @@ def spiral(t, x, p, dx):
     dx[2] = 0.2 + x[2] * (x[0] - p.c)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-8])
 def test_the_cascade_of_the_spiral(accuracy: float) -> None:

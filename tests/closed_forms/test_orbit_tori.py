@@ -31,7 +31,7 @@ def folded(turns):
 
 
 # Rotation numbers off the strong resonances, from less than one turn a round to several.
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("turns", [0.05, 0.3819660112501051, 0.7, 3.2])
 @pytest.mark.parametrize(
     ("sigma", "beta", "kappa"), [(-1.0, 0.0, 0.0), (0.8, 0.0, 0.0), (-1.0, 3.0, 0.5), (1.0, -3.0, 0.5)]
@@ -53,7 +53,7 @@ def test_rotation_number_and_criticality(turns, sigma, beta, kappa):
     assert point.period == pytest.approx(period_of(omega), rel=10 * ACCURACY)
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("accuracy", "beta"), [(1e-6, 0.5), (1e-6, 20.0), (1e-7, 20.0)])
 def test_a_coefficient_that_is_zero_to_its_error_has_no_criticality(accuracy, beta):
     """sigma + beta kappa = 0: the torus is neither above nor below, and d is what the steps leave of it."""
@@ -65,6 +65,7 @@ def test_a_coefficient_that_is_zero_to_its_error_has_no_criticality(accuracy, be
     assert abs(point.coefficients["d"]) <= point.coefficients["d_error"] < accuracy
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("excess", [1e-6, -1e-6])
 def test_a_small_coefficient_that_is_known_has_one(excess):
     problem = orbits(torus(0.7, 0.25 + excess, 0.5, -0.5), "lam", 1e-6)
@@ -73,6 +74,7 @@ def test_a_small_coefficient_that_is_known_has_one(excess):
     assert point.criticality == ("supercritical" if excess < 0 else "subcritical")
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(("q", "turns"), [(4, 0.25), (4, 0.75), (3, 1.0 / 3.0), (3, 5.0 / 3.0)])
 def test_strong_resonances_are_named(q, turns):
     omega = 1.5
@@ -92,6 +94,7 @@ def test_a_weak_resonance_is_none():
     assert point.criticality == "supercritical"
 
 
+@pytest.mark.long
 def test_two_tori_from_one_cycle():
     """Passing back: the growth is a parabola of the parameter, and both crossings are found."""
     from small_systems import small_system

@@ -58,7 +58,7 @@ def large_period(mu):
     return first - 2.0 * math.log(mu) / (3.0 * mu) - 1.3246 / mu
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.01, 0.1, 1.0, 10.0])
 def test_period_amplitude_and_multiplier(mu):

@@ -106,7 +106,7 @@ def test_rates_of_eight_decades() -> None:
         assert abs(row["period"] - asymptotic(mu)) < 2.0 / mu + 2e-8 * row["period"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_time_scales_of_ratio_1e7() -> None:
     eps = 1e-7
     branch = continued(lienard(eps), "eps", (eps, 1.2 * eps))
