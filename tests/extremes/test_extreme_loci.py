@@ -49,7 +49,7 @@ def start(b1: float, b2: float) -> list[float]:
     return [0.5 * (-b2 - math.sqrt(b2**2 - 4.0 * b1)), 0.0]
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("radius", [1e-2, 1e-4, 1e-7])
 @pytest.mark.parametrize("middle", [(0.0, 0.0), (3.0, 5.0)])
 def test_isolas_of_folds_close(radius, middle) -> None:
@@ -69,6 +69,7 @@ def test_isolas_of_folds_close(radius, middle) -> None:
     assert [p.label for p in found.special_points] == ["EP"]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("which", "sign"), [("LP1", 1.0), ("HB1", -1.0)])
 def test_parameters_of_1e_minus_8_and_1e8(which, sign) -> None:
     parameters = {"b1": -0.4e-8, "b2": 0.7e8 * sign}
@@ -84,7 +85,7 @@ def test_parameters_of_1e_minus_8_and_1e8(which, sign) -> None:
     np.testing.assert_allclose(found["b1"], expected, atol=1e-21)
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("beside", [1e-3, 1e-5, 1e-6])
 @pytest.mark.parametrize(("which", "sign"), [("LP1", 1.0), ("HB1", -1.0)])
 def test_curves_through_a_bogdanov_takens_point_beside_their_start(which, sign, beside) -> None:
@@ -100,6 +101,7 @@ def test_curves_through_a_bogdanov_takens_point_beside_their_start(which, sign, 
     assert sorted(found["b2"][[0, -1]]) == pytest.approx([-1.5, 1.5])
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, pytest.param(1e-9, marks=pytest.mark.long), 1e-12])
 def test_nearly_tangent_curves_are_not_mistaken_for_each_other(gap) -> None:
     def nearly_tangent(t, x, p, dx):

@@ -52,6 +52,7 @@ class TestRestitution:
         values = {"e": e, "A": amplitude, "omega": cls.OMEGA, "g": cls.G}
         return branch_of(BALL, "A", (low, 1.05 * cls.doubling(e)), state, values)
 
+    @pytest.mark.drawn(2)
     @pytest.mark.parametrize("e", [0.0, 1e-9, 0.999999, 1.0])
     def test_doubling_and_determinant(self, e):
         branch = self.branch(e)
@@ -108,6 +109,7 @@ class TestRestitution:
             phase, t = mpmath.findroot(above, guess)
             return float(amplitude(phase)), float(t)
 
+    @pytest.mark.drawn(2)
     @pytest.mark.parametrize(
         "e",
         [
@@ -132,6 +134,7 @@ class TestRestitution:
         assert branch.outcome.reason == "grazing"
         assert np.all(branch["admissible"][~branch["special"]])
 
+    @pytest.mark.drawn(2)
     @pytest.mark.parametrize("restitution", [0.0, 1e-6, 0.999999, 1.0])
     def test_impact_oscillator(self, restitution):
         """The determinant is restitution^2 exp(-2 zeta T) at every point."""
@@ -223,7 +226,7 @@ class TestEventsAtOnce:
             events={"OC": policy},
         )
 
-    @pytest.mark.drawn
+    @pytest.mark.drawn(2)
     @pytest.mark.parametrize("sign", [1.0, -1.0])
     @pytest.mark.parametrize(
         "apart",
@@ -244,6 +247,7 @@ class TestEventsAtOnce:
         assert np.all(sign * (rows["free"][:, 0] - self.CLOCK.parameter(0.0)) >= -1e-12)
         assert np.all(rows["admissible"])
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("d", [1e-12, -1e-12])
     def test_the_orbit_itself(self, d):
         """Its word is that of its order, and the short leg lasts what it should."""
@@ -312,6 +316,7 @@ class TestShortLegs:
             ],
         )
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize(
         "duration",
         [
@@ -332,6 +337,7 @@ class TestShortLegs:
 
 
 class TestResets:
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("gap", [1e-4, 1e-6])
     def test_a_nearly_singular_impact_matrix(self, gap):
         """Masses (1, 1 - gap; 1 - gap, 1) whose difference in speed is lost in flight.
@@ -435,6 +441,7 @@ class TestResets:
         assert np.all(branch["stable"])
         assert np.all(branch["unstable"] == 0)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("rate", [10.0, 1e3, 1e5])
     def test_a_state_that_is_kicked_and_relaxes_fast(self, rate):
         """A wheel with z' = -rate z and z+ = 1 at each impact: as without z, and one multiplier more."""
@@ -466,6 +473,7 @@ class TestWalkerDownTheSlope:
 
     STATE = (-0.5196, 0.1528388, 0.0, 0.0, -1.933, -2.037, 0.0)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize(
         ("policy", "reason", "low"),
         [

@@ -21,7 +21,7 @@ PARAMETER_ROUNDING = 4.0 * np.finfo(float).eps
 # -- two period doublings beside each other ------------------------------------------------------------------
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-12])
 @pytest.mark.parametrize("apart", [1e-2, 1e-4, 1e-6])
 def test_two_period_doublings_within_one_step(apart, accuracy):
@@ -166,6 +166,7 @@ def _found(case: str, accuracy: float) -> list[tuple[SpecialPoint, float, float]
     return CASES[case](accuracy)
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 @pytest.mark.parametrize("case", CASES)
 def test_the_accuracy_requested_is_met(case, accuracy):
@@ -175,6 +176,7 @@ def test_the_accuracy_requested_is_met(case, accuracy):
         assert point.error <= accuracy * abs(truth)
 
 
+@pytest.mark.long
 def test_claimed_errors_bound_the_true_ones():
     """The claim is twice the correction on finer steps, an estimate; of these 24 points it holds of all."""
     ratios = []
@@ -198,7 +200,7 @@ def _marked(accuracy: float) -> Branch:
     return cw.continue_branch(problem, start, (0.01, 0.5), period=6.28, marks={"max_abs": [0.5]})
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_marks_of_an_observable_meet_the_accuracy(accuracy):
     (mark,) = labelled(_marked(accuracy), "UZ")
@@ -209,7 +211,7 @@ def test_marks_of_an_observable_meet_the_accuracy(accuracy):
     assert off <= mark.error + PARAMETER_ROUNDING * truth
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_marks_of_an_extremum_claim_no_more_than_they_know(accuracy):
     """The multiplier of the twisted plane is smallest at lam = 0.3."""

@@ -145,6 +145,7 @@ class TestStates:
         assert cycle["B"][-1] == 3.0
         assert cycle["period"][-1] == pytest.approx(BRUSSELATOR, rel=WALKING * ACCURACY)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.slow
     def test_the_cycle_from_a_simulation(self, declared):
         system = self._system(declared, 3.0)

@@ -76,7 +76,7 @@ def studied(folder, machine, factor, run=""):
     return study(folder, HEAD.format(factor=factor) + machine, run or RUNS[machine])
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @MACHINES
 @pytest.mark.parametrize(
     ("factor", "what"),
@@ -97,7 +97,7 @@ def test_a_branch_ends_where_the_field_jumps_with_its_parameter(tmp_path, machin
     assert notes == []
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @MACHINES
 @pytest.mark.parametrize(
     ("factor", "what"), [("1.0 + abs(p.a - 0.5)", "abs"), ("max(1.0, 0.5 + p.a)", "max")]
@@ -109,7 +109,7 @@ def test_a_corner_of_a_branch_is_told(tmp_path, machine, factor, what):
     assert "At a = 0.5, whatever the states are, slopes of the field jump" in told
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @MACHINES
 @pytest.mark.parametrize(
     "factor",
@@ -150,6 +150,7 @@ def test_a_path_ends_where_its_own_parameter_makes_the_field_jump(tmp_path):
     assert LINE in branch.outcome.message
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("machine", [CYCLE, BOUNCING], ids=["orbits", "hybrid"])
 def test_a_period_that_jumps_ends_a_branch_of_forced_orbits(tmp_path, machine):
     forced = machine.replace("factor(p) * ", "").replace("period=lambda p: math.pi", "period=period")
@@ -184,6 +185,7 @@ SYSTEM = System("small", states=(State("x"),), parameters=(Parameter("a", -1.0),
 """
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("factor", "reason"),
     [

@@ -51,6 +51,7 @@ def burst(u: float, d: float) -> tuple[float, float]:
     return u, slope
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("label", "multiplier", "u"), [("PD", -1.0, -7.4990152189), ("LP", 1.0, -7.4990436773)]
 )
@@ -121,6 +122,7 @@ def bursts():
     return branch_of(PEER_SYSTEM, "d", (1.6, 2.2), [-65.0, -10.0], given, mode="membrane", until="settled")
 
 
+@pytest.mark.long
 def test_bursts_are_followed_through_their_canards(bursts):
     """Backward from the period doubling and forward around the fold, to the end of the range each time."""
     assert bursts.outcome.reason == "bound", bursts.outcome.message
@@ -128,6 +130,7 @@ def test_bursts_are_followed_through_their_canards(bursts):
     assert [point.status for point in bursts.special_points] == ["located"] * 4
 
 
+@pytest.mark.long
 def test_multipliers_of_canards_are_right(bursts):
     """On both sides, up to 1e12."""
     moduli = np.abs(bursts.points["spectrum"][:, 0])
@@ -159,6 +162,7 @@ def canard_current(b: float) -> float:
     return float(rest + beta - 140)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("b", "d", "saddle"), [(0.25, 6.0, -56.375), (0.2, 8.0, -57.625)], ids=["class 1", "regular spiking"]
 )

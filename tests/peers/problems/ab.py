@@ -109,7 +109,7 @@ PEER = Peer(
                 Ending("homoclinic", "AUTO-07p to period 500 at two meshes", 0.11082863913, 2e-11),
                 Ending("homoclinic", "AUTO-07p to period 500 at two meshes", 0.11011357816, 2e-11),
             ),
-            slow=True,
+            long=True,
         ),
     ),
 )

@@ -83,7 +83,7 @@ PEER = Peer(
                 Value("BP", -0.7998991433038745, 1e-13, COLLOCATION, of="orbit"),
             ),
             endings=(Ending("homoclinic", "the folds accumulate: Shilnikov's orbit"),),
-            slow=True,
+            long=True,
             # Folds and branch points without end, nearer to each other than to their own rounding.
             real=(
                 Value("LP", -0.79748107300, 1e-10, WHOLE, of="orbit"),

@@ -67,7 +67,7 @@ def told(system: System, **values: float) -> StartError:
     return raised.value
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("system", "k"),
     [(HARD, 0.3), (HARD, 0.0), (SOFT, 0.3), (SOFT, 0.0), (CURVED, 0.3), (CURVED, 0.0)],
@@ -83,7 +83,7 @@ def test_a_machine_with_two_frequencies_that_loses_nothing_says_that_it_conserve
     assert "until: 0" in error.remedy or "near, a periodic orbit" in error.remedy
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("system", [HARD, CURVED], ids=["wall", "coordinates"])
 @pytest.mark.parametrize("changed", [{"c": 0.001}, {"c": 1e-4}, {"e": 0.999}], ids=str)
 def test_a_slight_loss_is_none_of_a_conserved_quantity(system, changed):
@@ -156,7 +156,7 @@ def swing(angle: float, period: float | None, **values: float) -> StartError:
     return raised.value
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("angle", [1.5, 2.0])
 @pytest.mark.parametrize("period", [None, 2.0 * math.pi])
 def test_an_irregular_motion_in_coordinates_that_are_not_canonical_is_told_soon(angle, period):
@@ -165,7 +165,7 @@ def test_an_irregular_motion_in_coordinates_that_are_not_canonical_is_told_soon(
     assert "seems to conserve a quantity" in error.sentence
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("changed", [{"c": 1e-3}, {"e": 0.999}, {"e": 0.99}], ids=str)
 def test_an_irregular_motion_that_loses_something_is_not_said_to_lose_nothing(changed):
     assert "conserve" not in swing(1.5, None, **changed).sentence

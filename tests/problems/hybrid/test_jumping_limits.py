@@ -48,7 +48,7 @@ def watched(guard):
     return f"Transition('near', 'only', 'only', lambda t, x, p: {guard}, role='watched'),"
 
 
-@pytest.mark.drawn(3)
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(
     ("function", "side", "what"),
     [
@@ -103,7 +103,7 @@ JUMPING = [
 ]
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("guard", JUMPING)
 def test_the_guard_of_another_transition_that_jumps_through_zero_ends_the_branch(tmp_path, guard):
     branch, told, line = study(tmp_path, more=watched(guard).replace("role='watched'", "reset=rebound"))
@@ -116,7 +116,7 @@ def test_the_guard_of_another_transition_that_jumps_through_zero_ends_the_branch
         assert 0.0 < 1.05 - branch["force"].max() < 1e-7
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("guard", JUMPING)
 def test_a_watched_guard_that_jumps_through_zero_on_a_leg_is_told(tmp_path, guard):
     branch, (told,), line = study(tmp_path, more=watched(guard))
@@ -126,7 +126,7 @@ def test_a_watched_guard_that_jumps_through_zero_on_a_leg_is_told(tmp_path, guar
     assert f"block.py, line {line} (a comparison)" in told
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     "guard",
     [
@@ -143,6 +143,7 @@ def test_guards_of_other_transitions_that_jump_otherwise_end_nothing(tmp_path, g
     assert branch["admissible"].all()
 
 
+@pytest.mark.long
 def test_a_guard_that_is_armed_again_by_its_own_jump_hides_no_event(tmp_path):
     """A stop that is declared for one way of the velocity only: where it is touched, it jumps."""
     source = PLUGIN.replace("CONDITIONS", "").replace("MORE", "")

@@ -35,6 +35,7 @@ ADAPTIVE_EXPONENTIAL = (
 )
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(
     ("machine", "value", "bounds", "peak", "limit"),
     [

@@ -72,7 +72,7 @@ AUTONOMOUS = [
 ]
 
 
-@pytest.mark.drawn(4)
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(("field", "value", "start", "period", "limit"), AUTONOMOUS)
 def test_cycles_grow_without_bound(field, value, start, period, limit):
     problem = cw.PeriodicOrbit(small_problem(field, "xy", {"a": value}, "a").system, {"a": value}, "a")
@@ -99,6 +99,7 @@ def forced(field, **parameters):
     )
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("free", "values", "start", "towards", "limit"),
     [
@@ -125,6 +126,7 @@ def peak(t, x, p, dx):
     round_(x, dx, 1.0 - (p.a**2 + 1e-12) * (x[0] ** 2 + x[1] ** 2), 2.0)
 
 
+@pytest.mark.long
 def test_cycles_that_grow_to_a_million_and_come_back_are_followed():
     problem = cw.PeriodicOrbit(small_problem(peak, "xy", {"a": 1.0}, "a").system, {"a": 1.0}, "a")
     branch = cw.continue_branch(problem, [1.0, 0.0], (-1.0, 2.0), period=np.pi)
@@ -266,7 +268,7 @@ MACHINES = {
 }
 
 
-@pytest.mark.drawn(4)
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("name", MACHINES)
 def test_motions_with_events_grow_without_bound(name):
     make, free, range_, direction, start, mode, until, limit = MACHINES[name]
