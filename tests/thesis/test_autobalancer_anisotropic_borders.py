@@ -41,7 +41,7 @@ def bifurcations(branch: Branch) -> list[str]:
     return [p.label for p in branch.special_points if p.label not in ("EP", "UZ")]
 
 
-@pytest.mark.parametrize("accuracy", [1e-8, 1e-10])
+@pytest.mark.parametrize("accuracy", [1e-8, pytest.param(1e-10, marks=pytest.mark.long)])
 class TestBordersOverTheSpeed:
     @pytest.mark.drawn
     @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ class TestBordersOverTheSpeed:
             assert found == pytest.approx(list(borders), rel=accuracy)
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-10])
 @pytest.mark.parametrize("figure", MAXIMA)
 def test_local_maxima_over_the_load(figure, accuracy):
@@ -112,7 +112,7 @@ def test_local_maxima_over_the_load(figure, accuracy):
     assert np.all(branch["max_abs"][near] <= branch["max_abs"][mark.index] * (1.0 + 1e-9))
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-10])
 @pytest.mark.parametrize("figure", CRITICAL_DRAG)
 def test_critical_drag(figure, accuracy):
@@ -133,6 +133,7 @@ def test_critical_drag(figure, accuracy):
     assert np.array_equal(branch["unstable"][regular] == 0, branch["delta"][regular] > drag)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["autobalancer_anisotropic", "autobalancer_anisotropic_fig19"])
 def test_claimed_errors_of_extrema_hold_against_a_finer_run(name):
     coarse, fine = (

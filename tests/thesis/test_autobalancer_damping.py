@@ -32,6 +32,7 @@ def assert_exact(point, free, n=2, held=None):
     assert point.coefficients["omega"] == pytest.approx(float(frequency), rel=1e-12)
 
 
+@pytest.mark.drawn(12)
 @pytest.mark.parametrize(("load", "damping", "expected"), CONTOURS, ids=lambda v: str(v)[:5])
 def test_zero_contours_of_fig_10(system, load, damping, expected):
     parameters = system.defaults() | {"m": float(load), "c": float(damping), "delta": 0.008}
@@ -68,6 +69,7 @@ def test_one_pair_crosses_in_fig_15():
     assert_exact(hopf, "delta")
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(
     ("name", "free", "sweep"),
     [
@@ -86,7 +88,10 @@ def test_borders_of_the_maps_hold_in_40_digits(name, free, sweep):
         assert_exact(point, free)
 
 
-@pytest.mark.parametrize("figure", ["autobalancer_border_chart", "autobalancer_damping_chart"])
+@pytest.mark.parametrize(
+    "figure",
+    ["autobalancer_border_chart", pytest.param("autobalancer_damping_chart", marks=pytest.mark.long)],
+)
 def test_the_borders_of_figs_10_and_12_as_curves_of_hopf_points(figure):
     (border,) = (b for b in figure_run(figure) if b.info.settings.get("of") == "HB")
     assert (border["c"].min(), border["c"].max()) == (0.1, 6.0)
@@ -98,6 +103,7 @@ def test_the_borders_of_figs_10_and_12_as_curves_of_hopf_points(figure):
         assert border["frequency_squared"][row] == pytest.approx(float(frequency) ** 2, rel=1e-11)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("damping", [0.5, 2.0, 6.0])
 def test_heavier_masses_need_more_drag(system, damping):
     # Fig. 12: at every c the border lies the higher the heavier the masses, their moment m1 l1 the same.

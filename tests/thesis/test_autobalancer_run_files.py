@@ -37,8 +37,17 @@ ELSEWHERE = {
     "three_masses_stability_chart",
     "three_masses_stability_map",
 }
-# Charts of the kinds of `autobalancer_damping_chart` and of `three_masses_stability_chart`.
-ALIKE = {"autobalancer_load_drag_chart", "three_masses_damped_chart"}
+# Of the kinds of others: charts of `autobalancer_border_chart` and of `three_masses_stability_chart`, maps of
+# `autobalancer_border`, and branches of `autobalancer_anisotropic`.
+ALIKE = {
+    "autobalancer_anisotropic_fig19",
+    "autobalancer_anisotropic_fig20",
+    "autobalancer_anisotropic_fig21",
+    "autobalancer_damping_chart",
+    "autobalancer_damping_map",
+    "autobalancer_load_drag_chart",
+    "three_masses_damped_chart",
+}
 
 
 def test_there_are_run_files():

@@ -66,6 +66,7 @@ def test_all_kinds_of_curves_are_there(name) -> None:
         assert all(p.status == "located" for p in branch.special_points if p.label != "EP")
 
 
+@pytest.mark.long
 def test_folds_of_two_steps_lead_from_one_generalized_doubling_to_the_other() -> None:
     """One of them lies 3e-6 beside the point at which the curve of doublings meets that of folds."""
     found = figure_run(FEET, "diagram.follow=[]", "diagram.depth=3", "loci.of=[LP]", "loci.follow=[LPPD,GPD]")

@@ -23,6 +23,8 @@ NARROWED = {
     "planar_foot_radius_curves": (*_LITTLE, "loci.range=[0.115, 0.125]"),
     "planar_inertia_curves": (*_LITTLE, "loci.range=[0.0, 0.001]"),
 }
+# What `make long` draws: of the kinds of `planar_slope`, `planar_gait` and `planar_foot_radius_curves`.
+ALIKE = {"planar_feet", "planar_gait_small_feet", "planar_inertia_curves"}
 WALKS = {
     "planar_gait": (GAIT["x"], GAIT["T_step"], GAIT["multipliers"][0]),
     "planar_gait_small_feet": (FEET["points"][-1]["x"], FEET["points"][-1]["T"], None),
@@ -43,7 +45,9 @@ def test_table_and_output_have_the_name_of_the_run_file(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.long] if name in ALIKE else []) for name in NAMES]
+)
 def test_run_ends_well_and_draws_its_figures(name, tmp_path):
     overrides = NARROWED.get(name, ())
     branches = figure_run(name, *overrides)

@@ -136,7 +136,7 @@ def assert_same_multipliers(found: Iterable[complex], expected: Iterable[complex
     ("name", "method"),
     [
         ("overlap", "dop853"),
-        ("overlap", "radau9"),
+        pytest.param("overlap", "radau9", marks=pytest.mark.long),
         ("no_overlap", "dop853"),
         pytest.param("no_overlap", "radau9", marks=pytest.mark.long),
     ],
@@ -165,7 +165,8 @@ class TestGait:
         assert_same_multipliers(point.spectrum, known_multipliers(name))
 
 
-@pytest.mark.parametrize("name", ONE_AND_THE_OTHER)
+@pytest.mark.long
+@pytest.mark.parametrize("name", GAITS)
 def test_both_methods_find_the_same_multipliers(name):
     explicit, implicit = (gait(name, f"engine.method={method}")[1].spectrum for method in METHODS)
     assert explicit != implicit  # they are two methods
@@ -218,7 +219,8 @@ def test_multipliers_of_a_stride_are_squares(name):
     assert_same_multipliers(np.linalg.eigvals(matrix), [*(v**2 for v in point.spectrum), *ones])
 
 
-@pytest.mark.parametrize("name", ONE_AND_THE_OTHER)
+@pytest.mark.long
+@pytest.mark.parametrize("name", GAITS)
 def test_legs_of_their_own_close_after_a_stride(name):
     """A machine that does not know of its mirror image."""
     branch, point = gait(name, "model={legs: free}")
@@ -274,7 +276,7 @@ def differences(name: str, word: tuple[str, ...]) -> np.ndarray:
     return found
 
 
-@pytest.mark.parametrize("name", GAITS)
+@pytest.mark.parametrize("name", ONE_AND_THE_OTHER)
 def test_derivative_is_that_of_simulated_motions(name):
     mapped = stepped(name).mapped(0.0, known_state(name), TOLERANCE)
     expected = in_units(name, differences(name, mapped.itinerary), mapped.mode)
