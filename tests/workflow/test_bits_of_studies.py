@@ -39,7 +39,9 @@ STUDIES = {
 }
 
 
-@pytest.mark.parametrize("name", ["smooth", "hybrid", pytest.param("soft", marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "name", ["smooth", *(pytest.param(name, marks=pytest.mark.long) for name in ("hybrid", "soft"))]
+)
 def test_two_histories_and_two_numbers_of_threads_give_the_same_database(name, tmp_path):
     study = STUDIES[name]
     study.into(tmp_path / "first.h5")

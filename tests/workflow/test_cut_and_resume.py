@@ -93,7 +93,7 @@ def test_the_start_has_marks_of_its_own(whole):
     assert whole[:5] == ["point", "point", "UZ", "point", "UZ"]
 
 
-@pytest.mark.drawn(5)
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("number", [*range(1, 9), 40, 41, 42])
 def test_a_run_that_is_cut_goes_on_to_the_same_diagram(folder, whole, number):
     output = f"cut{number}.h5"
@@ -103,6 +103,7 @@ def test_a_run_that_is_cut_goes_on_to_the_same_diagram(folder, whole, number):
     assert_same(folder / "whole.h5", folder / output)
 
 
+@pytest.mark.long
 def test_a_run_that_is_cut_again_and_again_goes_on_to_the_same_diagram(folder, whole):
     for _ in range(len(whole) // 15):  # each time it gets on by 14 reports or so
         study(folder, "often.h5", 15, resume=True)
@@ -203,6 +204,7 @@ diagram: none
 """
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("plugin", "run_file"), [(GROWING, STRETCHED), (REPELLING, STRETCHED_LEG)])
 def test_a_run_that_is_cut_where_its_orbit_is_cut_into_segments_goes_on_to_the_same_diagram(
     tmp_path, plugin, run_file

@@ -164,7 +164,7 @@ SYSTEM = System(
 """
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("points", [40, 70, 150])
 def test_a_loop_that_was_cut_before_it_closed_is_one_branch(compute, tmp_path, points):
     """With 70 points it has been begun at both crossings; the second part is the first one's, and dropped."""
@@ -195,7 +195,7 @@ SYSTEM = System(
 """
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("points", [20, 60, 90])
 def test_curves_of_a_study_that_was_cut_are_those_of_the_whole_one(compute, tmp_path, points):
     """With 60 points the curve is begun at both folds, with 20 at one, when the second is not yet found."""
@@ -217,6 +217,7 @@ def test_curves_of_a_study_that_was_cut_are_those_of_the_whole_one(compute, tmp_
     assert [branch.special_points for branch in again] == [branch.special_points for branch in whole]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("start", [-1.0, 3.0])
 def test_a_start_at_an_end_of_the_range_goes_on(compute, start):
     """One direction ends where it begins: that end is not the other direction's."""

@@ -23,6 +23,7 @@ def runs(tmp_path_factory) -> tuple[Runs, float]:
     return runs, runs.whole()
 
 
+@pytest.mark.long
 def test_killed_studies_end_as_an_uninterrupted_one(runs):
     runs, seconds = runs
     with open_database(runs.folder / "whole.h5") as db:

@@ -117,9 +117,9 @@ def test_any_number_of_processes_stores_the_same_bytes(study, alone):
 @pytest.mark.parametrize(
     ("file", "short"),
     [
-        ("autobalancer_load.yaml", ("continue.max_points=25",)),
         ("autobalancer_cascade.yaml", ("continue.max_points=12",)),
-        ("planar_slope.yaml", ("continue.max_points=6",)),
+        pytest.param("autobalancer_load.yaml", ("continue.max_points=25",), marks=pytest.mark.long),
+        pytest.param("planar_slope.yaml", ("continue.max_points=6",), marks=pytest.mark.long),
         pytest.param(
             "walker3d_figure9.yaml", ("continue.max_points=3", "diagram.depth=1"), marks=pytest.mark.long
         ),
@@ -243,6 +243,7 @@ def test_a_plugin_that_ends_its_processes_is_told_and_the_run_fails(study, capsy
         assert {branch.outcome.reason for branch in failed} == {"plugin_error"}
 
 
+@pytest.mark.long
 def test_no_more_processes_begin_than_there_are_processors(study, alone, monkeypatch):
     begun = []
 
@@ -362,6 +363,7 @@ SYSTEM = System(
 """
 
 
+@pytest.mark.long
 def test_the_other_direction_of_a_closed_branch_is_not_there(tmp_path):
     (tmp_path / "circle.py").write_text(CIRCLE)
     path = tmp_path / "circle.yaml"

@@ -20,6 +20,7 @@ loci: {with: p2, range: [2.0, 30.0], of: [HB], follow: [GH]}
 """
 
 
+@pytest.mark.long
 def test_curves_of_two_generations_go_on_to_the_same_diagram(tmp_path):
     """Ended where the curve of Hopf points begins, where that of folds of cycles does, and far along that.
 

@@ -34,6 +34,7 @@ def test_killed_cascades_end_as_an_uninterrupted_one(tmp_path):
     )
 
 
+@pytest.mark.long
 def test_runs_ended_beside_special_points_and_at_births_go_on_to_the_same_diagram(tmp_path):
     """Ended at every third report of the last two branches, where special points and births are dense."""
     (tmp_path / "run.yaml").write_text(RUN)

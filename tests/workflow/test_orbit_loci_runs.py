@@ -143,6 +143,7 @@ def test_a_curve_that_was_cut_goes_on_to_the_last_bit(place, name, points, reque
                     )
 
 
+@pytest.mark.long
 def test_curves_of_all_points_of_a_study(place) -> None:
     path = computed(place, "all", figures=False)
     with cw.open_database(path) as db:

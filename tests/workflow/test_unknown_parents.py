@@ -182,7 +182,7 @@ output: {name}.h5
     ("name", "plugin", "state"),
     [
         ("flipped", FLIPPED, "x: 1.0, y: 0.0"),
-        pytest.param("turned", TURNED, "x: 1.0, y: 0.0, z: 0.0", marks=pytest.mark.slow),
+        pytest.param("turned", TURNED, "x: 1.0, y: 0.0, z: 0.0", marks=pytest.mark.long),
     ],
 )
 def test_a_doubled_branch_that_ends_on_another_family_leads_to_it(tmp_path, name, plugin, state):
