@@ -40,12 +40,14 @@ class House:
     @classmethod
     def read(cls, root: Path = ROOT) -> House:
         """The house as it stands in a folder."""
-        trees = {
-            _dotted(path, root): (path, _parsed(path)) for path in sorted((root / PACKAGE).rglob("*.py"))
-        }
-        docs = {name: _first_line(tree, path) for name, (path, tree) in trees.items()}
-        packages = frozenset(name for name, (path, _) in trees.items() if path.name == "__init__.py")
-        imports = {name: frozenset(imported(tree, trees)) - {name} for name, (_, tree) in trees.items()}
+        paths = {_dotted(path, root): path for path in sorted((root / PACKAGE).rglob("*.py"))}
+        packages = frozenset(name for name, path in paths.items() if path.name == "__init__.py")
+        docs, imports = dict[str, str](), dict[str, frozenset[str]]()
+        # One tree after another: the collector of cycles looks through all that are kept, again and again.
+        for name, path in paths.items():
+            tree = _parsed(path)
+            docs[name] = _first_line(tree, path)
+            imports[name] = frozenset(imported(tree, paths)) - {name}
         return cls(docs, packages, imports, _layers(root))
 
     def folder(self, name: str) -> str:
