@@ -91,7 +91,7 @@ class Study:
     slow : bool
         Takes seconds: not tried by `make test`.
     long : bool
-        Slow, and its like is among the others: tried by `make long` alone.
+        Its like is among the others: tried by `make long` alone.
     lost : str
         What is known to be lost or wrong today, in a sentence; empty where nothing is.
     """

@@ -85,6 +85,7 @@ PEER = Peer(
                 # The current comes to its reference just at a tick; beyond, it is on for all of the next.
                 Value("OC", 0.643705585012, 1e-12, SHOOTING, of="orbit", kind="corner"),
             ),
+            long=True,
         ),
     ),
 )

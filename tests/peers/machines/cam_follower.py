@@ -75,6 +75,7 @@ PEER = Peer(
                 Value("OC", 2.50852884287, 1e-12, SHOOTING, of="orbit"),
                 Value("GR", 2.7157104859942, 1e-12, SHOOTING, of="orbit", kind="terminal"),
             ),
+            long=True,
         ),
     ),
 )

@@ -74,6 +74,7 @@ PEER = Peer(
                 Value("PD", 8.1729001058277, 1e-12, SHOOTING, of="orbit", criticality="supercritical"),
                 Value("PD", 8.3968326570611, 1e-12, SHOOTING, of="orbit", criticality="supercritical"),
             ),
+            long=True,
         ),
     ),
 )

@@ -68,6 +68,7 @@ PEER = Peer(
                 Value("GR", 27.8933054065140, 1e-13, SHOOTING, of="orbit", kind="interior", times=2),
             ),
             endings=(Ending("grazing", "impacts without speed", 25.0, 1e-8),),
+            long=True,
         ),
     ),
 )

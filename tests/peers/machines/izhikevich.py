@@ -92,6 +92,7 @@ PEER = Peer(
                 Value("PD", 1.68953649705744, 1e-12, SPIKE_MAP, of="orbit"),
                 Value("LP", 2.05680639540136, 1e-12, SPIKE_MAP, of="orbit"),
             ),
+            long=True,
         ),
     ),
 )

@@ -52,6 +52,7 @@ PEER = Peer(
                 "diagram": {"depth": 1},
             },
             values=(Value("BP", 2 / 3, 1e-15, CLOSED_FORM, of="orbit", kind="transcritical"),),
+            long=True,
         ),
     ),
 )

@@ -79,6 +79,7 @@ PEER = Peer(
                 # The other one begins to last too.
                 Value("OC", 0.5756300050682, 1e-12, SHOOTING, of="orbit", times=3),
             ),
+            long=True,
         ),
     ),
 )

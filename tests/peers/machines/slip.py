@@ -98,6 +98,7 @@ PEER = Peer(
                 Value("LP", 1580.52799910641, 1e-12, APEX_MAP, of="orbit"),
                 Value("PD", 1996.16145003234, 1e-12, APEX_MAP, of="orbit"),
             ),
+            long=True,
         ),
     ),
 )

@@ -55,6 +55,7 @@ PEER = Peer(
                 Ending("shrunk", "the Hopf point at 0.3462", 0.34620852, 2e-2),
                 Ending("shrunk", "the Hopf point at 0.2600", 0.25995785, 3e-3),
             ),
+            long=True,
         ),
     ),
 )

@@ -39,6 +39,7 @@ PEER = Peer(
                 Value("LP", 0.3241785225, 3e-10, "AUTO-07p at two meshes", of="orbit"),
                 Value("LP", 1.4258214775, 3e-10, "AUTO-07p at two meshes", of="orbit"),
             ),
+            long=True,
         ),
         # Along both explosions the parameter stands still to its last digit, and deviations grow by 1e80.
         Study(

@@ -42,6 +42,7 @@ PEER = Peer(
                 Value("HB", 0.5, 1e-15, FORTY_DIGITS, criticality="supercritical"),
                 Value("NS", 0.6666666666666476, 1e-13, COLLOCATION, of="orbit"),
             ),
+            long=True,
         ),
     ),
 )

@@ -49,6 +49,7 @@ PEER = Peer(
                     1e-9,
                 ),
             ),
+            long=True,
         ),
     ),
 )

@@ -57,6 +57,7 @@ PEER = Peer(
                 Value("LP", 216.89980138941146, 1e-13, COLLOCATION, of="orbit"),
             ),
             endings=(Ending("shrunk", "the Hopf point at 212.02", 212.018816, 5e-2),),
+            long=True,
         ),
     ),
 )

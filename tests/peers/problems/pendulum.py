@@ -55,6 +55,7 @@ PEER = Peer(
                 Value("PD", 0.33282496067803036, 1e-13, COLLOCATION, of="orbit", times=2),
                 Value("BP", 0.3147357514810003, 1e-13, COLLOCATION, of="orbit", kind="symmetry-breaking"),
             ),
+            long=True,
         ),
     ),
 )

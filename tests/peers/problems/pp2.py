@@ -44,6 +44,7 @@ PEER = Peer(
                 Value("LP", 0.8329293222341568, 1e-15, FORTY_DIGITS),
                 Value("HB", 0.6715938474788318, 1e-15, FORTY_DIGITS, criticality="supercritical"),
             ),
+            long=True,
         ),
     ),
 )

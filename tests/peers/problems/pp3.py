@@ -52,6 +52,7 @@ PEER = Peer(
                 Value("HB", 0.22935697699150545, 1e-15, FORTY_DIGITS, criticality="supercritical"),
                 Value("HB", 0.5038348000919475, 1e-15, FORTY_DIGITS, criticality="supercritical"),
             ),
+            long=True,
         ),
     ),
 )

@@ -44,6 +44,7 @@ PEER = Peer(
                 Value("PD", 4.124214732075604, 4e-11, COLLOCATION, of="orbit"),
                 Value("PD", 4.18699699939434, 3e-12, COLLOCATION, of="orbit"),
             ),
+            long=True,
         ),
     ),
 )

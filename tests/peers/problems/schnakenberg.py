@@ -38,6 +38,7 @@ PEER = Peer(
                 Value("HB", 0.05103125788101082, 1e-15, FORTY_DIGITS, criticality="supercritical"),
                 Value("HB", 0.8956492739235914, 1e-15, FORTY_DIGITS, criticality="supercritical"),
             ),
+            long=True,
         ),
     ),
 )

@@ -25,7 +25,7 @@ SYSTEM = System(
 )
 
 
-def study(eps: float, slow: bool) -> Study:
+def study(eps: float, long: bool) -> Study:
     """All cycles, from one Hopf point to the other: their parameter never turns."""
     return Study(
         f"eps={eps}",
@@ -39,7 +39,8 @@ def study(eps: float, slow: bool) -> Study:
             Value("HB", 1.0, 1e-15, CLOSED_FORM, criticality="supercritical"),
         ),
         endings=(Ending("shrunk", "the other Hopf point", 1.0, 1e-3),),
-        slow=slow,
+        slow=True,
+        long=long,
     )
 
 
