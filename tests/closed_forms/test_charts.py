@@ -60,6 +60,7 @@ def test_three_equilibria_inside_the_cusp() -> None:
             assert solution.unstable == (region.at[1] - 3.0 * x**2 > 0.0)
 
 
+@pytest.mark.long
 def test_a_chart_says_where_solutions_change_and_no_curve_was_followed() -> None:
     """Along m at b = 0 the Hopf points are beyond the range: one number was told of both their sides."""
     ranges = {"m": (-1.0, 1.0), "b": (0.0, 2.0)}
@@ -98,6 +99,7 @@ def test_both_sides_of_hopf_points() -> None:
     }
 
 
+@pytest.mark.long
 def test_branches_that_leave_branch_points_count() -> None:
     ranges = {"a": (-1.0, 1.0), "b": (-0.8, 0.8)}
     _, found = study(pitchfork, "x", {"a": -0.5, "b": 0.1}, [0.0], ["BP1"], ranges)

@@ -44,6 +44,7 @@ def energy_at(q: float, w: float, length: float) -> float:
     return 0.5 * length**2 * w**2 + 9.81 * length * (1.0 - math.cos(q))
 
 
+@pytest.mark.long
 def test_the_pendulum_at_the_start_s_own_energy_as_its_length_changes():
     branch = cw.continue_branch(orbits(PENDULUM, "l"), [1.0, 0.0], (0.5, 2.0), period=2.1496)
     own = energy_at(1.0, 0.0, 1.0)
@@ -63,6 +64,7 @@ def test_a_given_energy_is_met():
         assert period == pytest.approx(period_of_pendulum(6.0, length), rel=10.0 * WALKED)
 
 
+@pytest.mark.long
 def test_the_ball_without_losses():
     """Two flights of sqrt(2 h / g) each, whatever the height h."""
     (branch,) = diagram(BALL, "energy", (0.5, 40.0), [1.0, 0.0], until="settled")

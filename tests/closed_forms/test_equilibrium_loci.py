@@ -83,6 +83,7 @@ def curve(
     return cw.continue_locus(problem.system, branch, which or f"{start}1", ranges)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("names", [("b1", "b2"), ("b2", "b1")])
 def test_folds_of_the_cusp(names) -> None:
     ranges = {"b1": (-2.0, 2.0), "b2": (-1.0, 2.0)}
@@ -132,6 +133,7 @@ def test_the_first_lyapunov_coefficient_vanishes() -> None:
         assert point.coefficients["omega"] == pytest.approx(3.0, rel=1e-14)
 
 
+@pytest.mark.long
 def test_two_generalized_hopf_points_within_a_step() -> None:
     ranges = {"mu": (-1.0, 1.0), "beta": (-1.0, 1.5)}
     found = curve(bautin, ["x", "y"], "HB", "mu", {"mu": -0.5, "beta": 1.2, "gap": 1e-6}, ranges)
@@ -139,6 +141,7 @@ def test_two_generalized_hopf_points_within_a_step() -> None:
     assert sorted(at(point, "beta")[0] for point in points) == pytest.approx([-1e-3, 1e-3], rel=1e-12)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("start", ["LP", "HB"])
 def test_zero_hopf_points_from_both_curves(start) -> None:
     ranges = {"b1": (-1.0, 1.0), "b2": (-0.9, 0.9)}
@@ -164,6 +167,7 @@ def test_zero_hopf_points_from_both_curves(start) -> None:
     assert len(labelled(found, *TWO)) == (1 if start == "LP" else 2)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("free", ["m1", "m2"])
 def test_double_hopf_points_from_both_curves(free) -> None:
     other = "m2" if free == "m1" else "m1"
@@ -244,6 +248,7 @@ def oscillator(t, x, p, dx):
     dx[1] = p.push + p.softness * x[0] - x[0] ** 3 + (0.3 - x[0] ** 2) * x[1]
 
 
+@pytest.mark.long
 def test_a_curve_on_which_a_velocity_is_zero_and_its_drag_vanishes_is_walked_in_few_steps() -> None:
     """On it x^2 = 0.3: the velocity's drag is zero to rounding, and so is the velocity, exactly.
 

@@ -104,6 +104,7 @@ def test_doublings_up_to_the_resonance() -> None:
     assert np.polyval(np.polyfit(beside[near], bend, 3), 0.0) == pytest.approx(TANGENCY, rel=0.05)
 
 
+@pytest.mark.long
 def test_a_curve_that_ignores_grazings_goes_on_and_tells_so() -> None:
     curve = followed(branches(0.98)[1], "PD1", (0.98, 1.005), events={"GR": "ignore"})
     assert_resonant(curve, "GRPD")
@@ -112,6 +113,7 @@ def test_a_curve_that_ignores_grazings_goes_on_and_tells_so() -> None:
     assert not curve.points["admissible"][beyond].any()
 
 
+@pytest.mark.long
 def test_folds_down_to_the_resonance() -> None:
     curve = followed(branches(1.01)[1], "LP1", (0.98, 1.1))
     assert_resonant(curve, "GRLP")

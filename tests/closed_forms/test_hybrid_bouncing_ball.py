@@ -66,7 +66,7 @@ def study(e: float, k: int) -> tuple[Branch, ...]:
 
 @pytest.mark.parametrize(("e", "k"), CASES)
 class TestStudy:
-    @pytest.mark.drawn(3)
+    @pytest.mark.drawn(1)
     def test_fold(self, e, k):
         branch = study(e, k)[0]
         (point,) = [p for p in branch.special_points if p.label == "LP"]
@@ -77,6 +77,7 @@ class TestStudy:
         # At the phase zero: the bounce happens where the table is fastest.
         assert point.state["y"] == pytest.approx(0.0, abs=10.0 * ACCURACY * fold_at(e, k))
 
+    @pytest.mark.drawn(2)
     def test_doubling(self, e, k):
         parent, child = study(e, k)
         (point,) = [p for p in parent.special_points if p.label == "PD"]

@@ -79,6 +79,7 @@ def thrown(start: float) -> list[Branch]:
     )  # fmt: skip
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("start", [1.7, 2.4])
 def test_a_block_is_thrown_off_its_table(start) -> None:
     """From either side: the flights begin, or cease, where the table's acceleration is that of gravity."""

@@ -89,7 +89,7 @@ class TestWithoutImpacts:
         assert branch["force"].max() == point.parameters["force"]
         assert branch["q_max"] == pytest.approx(branch["force"] / stiffness(p), rel=WALKED)
 
-    @pytest.mark.drawn(2)
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize(("zeta", "force"), [(0.1, 0.5), (0.05, 0.3), (0.2, 0.9)])
     def test_stop_is_grazed_on_both_sides_of_the_resonance(self, zeta, force):
         """Over the frequency: a quadratic equation for omega^2."""
@@ -146,7 +146,7 @@ def test_policies_at_an_interior_grazing(policy):
 
 @pytest.mark.parametrize("case", IMPACTING)
 class TestOneImpact:
-    @pytest.mark.drawn(3)
+    @pytest.mark.drawn(2)
     def test_branch_leaves_the_grazing(self, case):
         free, impacting = study(*case)
         assert free.outcome.reason == "grazing"
@@ -158,6 +158,7 @@ class TestOneImpact:
         # It arrives with no speed.
         assert abs(born["state"][1]) < 1e-6
 
+    @pytest.mark.drawn(3)
     def test_every_point_is_the_closed_form(self, case):
         """Velocity after the impact, its time, and trace and determinant of the derivative."""
         branch, exact = study(*case)[1], OneImpact(parameters(*case))
@@ -193,6 +194,7 @@ class TestOneImpact:
             turned = abs(np.exp(1j * found["impact_phase"]) - np.exp(1j * case[0] * begin))
             assert turned <= 10.0 * size
 
+    @pytest.mark.drawn(2)
     def test_invariants(self, case):
         for branch in study(*case):
             check_hybrid_branch(branch, SYSTEM, every=12)
@@ -255,6 +257,7 @@ class TestBack:
             )
         )
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("policy", ["stop", "ignore", "switch"])
     def test_impact_arrives_with_no_speed(self, policy):
         """A terminal grazing: no orbit of this itinerary lies beyond, so `ignore` stops as well."""

@@ -69,6 +69,7 @@ def test_their_multipliers_follow_liouvilles_formula(canards):
         assert canards.points["spectrum"][row, 0].real < 0.0
 
 
+@pytest.mark.long
 def test_doubled_orbits_leave_where_canards_begin():
     found = diagram(
         oscillator(), "w", (0.5, 1.99), [1.5, 0.0], mode="free", until="settled", follow=("PD",)
@@ -80,6 +81,7 @@ def test_doubled_orbits_leave_where_canards_begin():
     assert min(doubled["w"]) == 0.5
 
 
+@pytest.mark.long
 def test_a_passage_beside_the_equilibrium_does_not_creep():
     """Its deviations decay before they grow: only those that begin on the way show how much.
 

@@ -70,6 +70,7 @@ def curve(field, states, parameters, free, state, ranges, which, marks=None, **d
     return cw.continue_locus(system, branch, which, ranges)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("field", "states", "place"),
     [(pitchfork, "xu", lambda b: b**2), (transcritical, "x", np.sin)],
@@ -84,6 +85,7 @@ def test_branch_points_that_persist(field, states, place) -> None:
     assert found.outcome.reason == "bound"
 
 
+@pytest.mark.long
 def test_a_circle_of_branch_points() -> None:
     ranges = {"a": (-1.5, 1.5), "b": (-1.5, 1.5)}
     found = curve(circle, "xu", {"a": -1.5, "b": 0.2, "c": 0.4}, "a", [0.0, -1.5], ranges, "BP1")
@@ -98,6 +100,7 @@ def test_branch_points_that_do_not_persist_are_refused(field) -> None:
         curve(field, "x", {"a": -0.5, "b": 0.0}, "a", [0.0], RANGES, "BP1")
 
 
+@pytest.mark.long
 def test_stability_beside_a_curve_of_branch_points() -> None:
     found = curve(coupled, "xyz", {"a": -0.5, "b": 0.3}, "a", [0.0, 0.0, 0.0], RANGES, "BP1")
     np.testing.assert_allclose(found["a"], found["b"], atol=1e-14)
@@ -125,6 +128,7 @@ def test_a_value_of_an_observable() -> None:
     assert found.info.settings["of"] == "UZ"
 
 
+@pytest.mark.long
 def test_a_value_of_one_of_both_parameters_crosses_the_curve_of_hopf_points() -> None:
     found = marked({"B": [2.25]})
     np.testing.assert_array_equal(found["B"], 2.25)
@@ -136,6 +140,7 @@ def test_a_value_of_one_of_both_parameters_crosses_the_curve_of_hopf_points() ->
     assert hopf.criticality == "supercritical"  # as everywhere on it
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("level", [0.25, -0.1])
 def test_a_value_of_the_largest_real_part(level) -> None:
     found = marked({"max_re": [level]})
@@ -144,6 +149,7 @@ def test_a_value_of_the_largest_real_part(level) -> None:
     assert found["A"].min() == pytest.approx(abs(level), rel=1e-13)
 
 
+@pytest.mark.long
 def test_zero_as_the_largest_real_part_is_the_curve_of_hopf_points() -> None:
     assert marked({"max_re": [0.0]}).info.settings["of"] == "HB"
 

@@ -65,7 +65,6 @@ def test_a_marked_value_of_a_map(bend) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.drawn(1)
 @pytest.mark.parametrize("bend", [0.0, 0.2])
 def test_folds_of_cycles(bend) -> None:
     """Of the unit circle, gone round in pi, with z' = g (lam, nu) - z^2 across it."""

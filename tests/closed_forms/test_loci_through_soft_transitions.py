@@ -91,7 +91,7 @@ def test_the_curve_of_folds_is_the_one_of_hard_transitions() -> None:
     assert largest(soft["omega"]) > one.parameters["omega"] - 1e-12  # it has both of its branches
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("force", CUTS)
 def test_branches_along_one_parameter_fold_on_it(force) -> None:
     """Marked points of the curve are solved for on their own, and told with their errors."""
@@ -105,6 +105,7 @@ def test_branches_along_one_parameter_fold_on_it(force) -> None:
         assert abs(one.parameters["omega"] - other.parameters["omega"]) <= error < 1e-8
 
 
+@pytest.mark.long
 def test_a_condition_keeps_its_sign_where_other_soft_transitions_are_met() -> None:
     """Singular vectors leave the sign of a bordered inverse open: a curve turned at its first step across a
     soft transition, if it came out as the other one."""

@@ -43,6 +43,7 @@ def branches():
     return diagram(food_chain(), "b1", (2.2, 2.99), start, given, until="settled", follow=("PD",), depth=2)
 
 
+@pytest.mark.long
 def test_doubled_orbits_end_where_they_are_their_parents_again(branches):
     """Four of five period doublings are two pairs; from the last a branch runs to the range's end."""
     main, *daughters = branches
@@ -67,6 +68,7 @@ def test_doubled_orbits_end_where_they_are_their_parents_again(branches):
         assert branch["b1"][-1] == pytest.approx(paired, abs=1e-6)
 
 
+@pytest.mark.long
 def test_no_doubled_orbit_is_its_parent_before_it_ends(branches):
     """Half a closure later each is somewhere else, by more than errors."""
     for branch in branches[1:]:

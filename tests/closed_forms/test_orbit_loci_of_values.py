@@ -48,6 +48,7 @@ def followed(system: System, point: str = "BP1") -> Branch:
     return walked(system, "lam", [1.0, 0.0, 0.0], (-0.4, 0.5), point, RANGES, np.pi)
 
 
+@pytest.mark.long
 def test_branch_points_in_an_invariant_plane() -> None:
     """Pitchforks where lam = nu^2."""
     curve = followed(beside_a_cycle(lambda z, p: z * (p.lam - p.nu**2 - z**2)))
@@ -60,6 +61,7 @@ def test_branch_points_in_an_invariant_plane() -> None:
     assert curve["nu"].max() == 0.6
 
 
+@pytest.mark.long
 def test_a_circle_of_branch_points() -> None:
     """Parallel to the axis of the first parameter where lam = 0, and to that of the second where nu = 0."""
     system = beside_a_cycle(lambda z, p: z * (1.0 - p.lam**2 - p.nu**2 - z**2))
@@ -70,6 +72,7 @@ def test_a_circle_of_branch_points() -> None:
     assert largest(curve["lam"] ** 2 + curve["nu"] ** 2 - 1.0) < WALKED
 
 
+@pytest.mark.long
 def test_transcritical_points_of_a_map() -> None:
     """Of x -> x + x (lam - nu^2 - x) where lam = nu^2, from a branch along the second parameter."""
     system = map_as_machine(
@@ -82,6 +85,7 @@ def test_transcritical_points_of_a_map() -> None:
     assert (curve["nu"].min(), curve["nu"].max()) == (-0.2, 0.6)
 
 
+@pytest.mark.long
 def test_a_value_of_an_observable_of_a_machine() -> None:
     """Henon's fixed point x = y = 1/2: alpha = (1 + beta) / 2 + 1 / 4; it doubles at beta = 0."""
     x = henon_fixed_point(0.5, 0.3)
@@ -130,6 +134,7 @@ def of_mark(name: str) -> Branch:
     return cw.continue_locus(folding(), marked(), point, {"mu": (0.3, 0.99), "a": (0.8, 1.5)}, **FINE)
 
 
+@pytest.mark.long
 def test_the_curve_of_an_observable_and_the_fold_on_it() -> None:
     curve = of_mark("max:x")
     assert curve.info.settings["of"] == "UZ"

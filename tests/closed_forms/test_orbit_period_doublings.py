@@ -66,6 +66,7 @@ def test_the_doubled_orbit_is_where_its_normal_form_says(sigma, beta, kappa):
         assert across == pytest.approx((1.0 - lam) / total, abs=30.0 * WALKED)
 
 
+@pytest.mark.long
 def test_without_a_declared_scale():
     """States that are zero on the whole branch have their size from nothing but the motion across it."""
     problem = orbits(moebius(-1.0, scale=None), "lam")
@@ -86,6 +87,7 @@ def test_a_range_round_the_point_that_is_switched_at():
     assert doubled["lam"][-1] == 1.2
 
 
+@pytest.mark.long
 def test_the_doubled_orbit_of_a_doubled_orbit_is_not_invented():
     """The doubled orbit of the simplest band has positive multipliers: nothing happens on it."""
     problem = orbits(moebius(-1.0), "lam")

@@ -47,7 +47,7 @@ def assert_rows(branch, matrix, offset):
         assert true <= 10.0 * WALKED
 
 
-@pytest.mark.drawn(3)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", COORDINATES)
 def test_the_cycle_in_any_coordinates(name):
     matrix, offset = COORDINATES[name]
@@ -61,6 +61,7 @@ def test_the_cycle_in_any_coordinates(name):
     assert_rows(branch, matrix, offset)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", ["plain", "sheared", "all"])
 def test_the_cycle_born_at_the_hopf_point(name):
     matrix, offset = COORDINATES[name]
@@ -83,6 +84,7 @@ def test_the_cycle_born_at_the_hopf_point(name):
     assert_rows(branch, matrix, offset)
 
 
+@pytest.mark.long
 def test_amplitudes_next_to_the_hopf_point():
     """The branch is a parabola there: mu = |z|^2 to the part of the local errors that one cycle gathers."""
     system = stuart_landau(mu=-0.5)
@@ -112,6 +114,7 @@ def test_the_requested_accuracy_is_that_of_a_mark():
         assert math.hypot(*mark.state.values()) == pytest.approx(math.sqrt(2.0), rel=accuracy)
 
 
+@pytest.mark.long
 def test_a_mark_of_the_largest_modulus():
     """max_abs = exp(-4 pi mu / (2 + mu / 2)) is 1/10 at mu = 2 L / (4 pi - L / 2), L = ln 10."""
     problem = orbits(stuart_landau(), "mu")

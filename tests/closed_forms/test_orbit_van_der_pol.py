@@ -98,6 +98,7 @@ def test_lindstedts_series(mu):
         assert row["period"] == pytest.approx(small_period(at), rel=1e-2 * at**6 + 300.0 * ACCURACY)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("mu", [100.0])
 def test_relaxation_oscillations(mu):
     _, branch = walked(mu, 0.9, 1.1, accuracy=1e-7, max_points=30)
@@ -112,6 +113,7 @@ def test_relaxation_oscillations(mu):
         assert row["period"] == pytest.approx(large_period(at), abs=at ** (-4.0 / 3.0))
 
 
+@pytest.mark.long
 def test_a_stiff_relaxation_oscillation():
     """mu = 1000: the fast parts are a million times as fast as the slow ones.
 

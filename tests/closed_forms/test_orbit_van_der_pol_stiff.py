@@ -57,7 +57,7 @@ def continued(system: System, free: str, bounds: tuple[float, float]) -> Any:
     return cw.continue_branch(problem, [2.0, 0.0], range=bounds, until="settled")
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("mu", PERIODS)
 def test_orbits_that_a_simulation_settles_on(mu: float) -> None:
     branch = continued(van_der_pol(mu), "mu", (mu, 1.002 * mu))
@@ -86,6 +86,7 @@ def test_three_decades_of_stiffness_in_one_branch() -> None:
     assert np.all(branch.points["spectrum"].real >= 0.0)
 
 
+@pytest.mark.long
 def test_down_again() -> None:
     """From mu = 1000 to 1, past the change from the implicit to the explicit method."""
     branch = continued(van_der_pol(1000.0), "mu", (1.0, 1000.0))
@@ -96,6 +97,7 @@ def test_down_again() -> None:
     assert periods[np.argmin(mu)] == pytest.approx(6.663286859, rel=1e-7)
 
 
+@pytest.mark.long
 def test_rates_of_eight_decades() -> None:
     """mu = 1e4: rates of 3e4 along the slow branch, which lasts 8e3: 2.4e8 of one in units of the other."""
     branch = continued(van_der_pol(1e4), "mu", (1e4, 1.005e4))
