@@ -131,6 +131,7 @@ def both(request):
 STEPS_OTHERWISE = ("units", "hoop")
 
 
+@pytest.mark.drawn(2)
 def test_images_have_the_rows_that_a_walk_finds(both):
     name, (branches, notes), (walked, other_notes) = both
     assert not_walked(notes)
@@ -188,6 +189,7 @@ def test_a_branch_tells_the_symmetry_of_its_halves():
     assert "parameter" not in note
 
 
+@pytest.mark.long
 def test_without_the_symmetry_both_halves_are_walked():
     problem = small_problem(lorenz, "xyz", {"rho": 0.5}, "rho")
     straight = cw.continue_branch(problem, [0.0, 0.0, 0.0], (0.5, 30.0))
@@ -200,6 +202,7 @@ def test_without_the_symmetry_both_halves_are_walked():
         assert a.coefficients["l1"] == pytest.approx(b.coefficients["l1"], rel=1e-9)
 
 
+@pytest.mark.long
 def test_a_mark_that_is_not_the_same_on_the_image_is_looked_for_there():
     """x = -2 is met on the half of negative x only; the square of x on both."""
     system = small_system(

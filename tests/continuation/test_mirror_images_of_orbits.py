@@ -107,7 +107,7 @@ def not_walked(notes):
     return [note.split(":")[0] for note in notes if "It was not computed" in note]
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 def test_special_points_are_those_that_a_walk_locates(both):
     _, (branches, notes), (walked, others) = both
     assert "b2" in not_walked(notes)
@@ -129,6 +129,7 @@ def test_special_points_are_those_that_a_walk_locates(both):
                 assert a.coefficients[key] == pytest.approx(value, rel=1e-3, abs=1e-9), (a.name, key)
 
 
+@pytest.mark.drawn(1)
 def test_images_are_orbits_by_an_independent_integration(both):
     name, (branches, _), _ = both
     field, _, free, *_ = SYSTEMS[name]
@@ -183,6 +184,7 @@ def test_extremes_are_exchanged(both):
     assert branch[there][s < 0.0][::-1] == pytest.approx(sign * ahead, rel=1e-5)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_run_that_is_killed_goes_on_to_the_same_bits(trusted, monkeypatch):
     if not trusted:
@@ -198,6 +200,7 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bits(trusted, monkeypatch):
         assert_same(again[1], whole[1], k)
 
 
+@pytest.mark.long
 def test_a_marked_value_that_differs_on_the_image_is_found_there():
     """The largest angle is another on the image, its range is not."""
     observables = (Observable("range", lambda t, x, p: np.ptp(x[:, 0])),)

@@ -29,6 +29,7 @@ mark: {a: [0.125]}
     return result
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("point", ["LP1", "LP2", "UZ1", "UZ2", "UZ3", "EP1", "EP2", "0", "7", "20"])
 def test_from_any_stored_point_with_another_free_parameter(tmp_path, first, point):
     stored = first.branches[0]
@@ -61,6 +62,7 @@ continue: {{parameter: b, range: [-1.0, 2.0]}}
             assert_error_claim(fold, "b", mpmath.cbrt(27 * a**2 / 4))
 
 
+@pytest.mark.long
 def test_the_same_free_parameter_goes_on_from_the_stored_value(tmp_path, first):
     again = run_text(
         tmp_path,

@@ -79,7 +79,7 @@ ESCAPES = [
 ]
 
 
-@pytest.mark.drawn(5)
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(("field", "start", "value", "limit"), ESCAPES)
 def test_a_branch_without_bound_says_where(field, start, value, limit):
     problem = small_problem(field, "xy"[: len(start)], {"lam": value}, "lam")
@@ -140,7 +140,7 @@ TURNS = [
 ]
 
 
-@pytest.mark.drawn(3)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("field", "start", "fold"), TURNS)
 def test_a_branch_that_turns_round_far_out_is_followed(field, start, fold):
     problem = small_problem(field, "xy"[: len(start)], {"lam": 1.0}, "lam")

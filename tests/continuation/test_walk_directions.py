@@ -25,6 +25,7 @@ def _folds(branch):
     return [(q.parameters["a"], q.state["x"]) for q in bifurcations(branch)]
 
 
+@pytest.mark.long
 def test_a_branch_followed_up_and_back_gives_the_same_points():
     low, state = _start(-1.6)
     high, top = _start(1.6)
@@ -87,6 +88,7 @@ def test_the_iterator_can_be_left_early():
     assert first[1].state.s < first[2].state.s
 
 
+@pytest.mark.long
 def test_the_engine_settings_do_not_move_special_points():
     value, state = _start(-1.6)
     problem = _problem(value)

@@ -103,7 +103,7 @@ def test_the_teeth_of_a_shaft_that_turns_evenly(method, teeth):
     np.testing.assert_allclose([event.time for event in events], exact, atol=1e-9)
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("method", ["dop853", "verner98"])
 @pytest.mark.parametrize("half", [1.0, 0.125, 1.0 / 3.0])
 def test_a_thousand_kicks_by_the_clock_through_which_one_step_could_go(method, half):
@@ -111,6 +111,7 @@ def test_a_thousand_kicks_by_the_clock_through_which_one_step_could_go(method, h
     np.testing.assert_allclose(times_of(found), half * (np.arange(1000) + 0.5), rtol=1e-13)
 
 
+@pytest.mark.long
 def test_fifty_impacts_in_each_of_a_hundred_periods_without_a_loss():
     found = run(
         machine(BALL, e=1.0), [0.0, 0.5 * 2.0 * math.pi / 50.0 * 10.0], 200.0 * math.pi, last="impact"

@@ -26,6 +26,7 @@ class TestStiffness:
         dx[1] = x[0] + p.mu * x[1] - x[1] * square
         dx[2] = -p.stiffness * (x[2] - x[0] ** 2)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("method", ["auto", "radau5", "radau9"])
     def test_1e7(self, method):
         problem = orbits(self.field, "xyz", {"mu": 1.0, "stiffness": 1e7}, "mu", ACCURACY, method)
@@ -122,6 +123,7 @@ class TestWinding:
         dx[0] = x[1]
         dx[1] = -p.d * x[1] - math.sin(x[0]) + p.i
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("given", [{"period": 1.6}, {"until": "settled"}])
     def test_a_driven_pendulum(self, given):
         states = [State("phi", period=2.0 * math.pi), State("v")]
@@ -136,6 +138,7 @@ class TestWinding:
         assert np.all(mean <= branch["i"] / 0.5)  # <v> <= sqrt(<v^2>)
         assert np.all(mean >= 0.5 * branch["i"] / 0.5)
 
+    @pytest.mark.long
     def test_backwards(self):
         states = [State("phi", period=2.0 * math.pi), State("v")]
         problem = orbits(self.pendulum, states, {"d": 0.5, "i": -2.0}, "i")
@@ -148,6 +151,7 @@ class TestWinding:
             sorted([other["period"][0], other["period"][-1]]), rel=WALKING * ACCURACY
         )
 
+    @pytest.mark.long
     def test_an_angle_that_is_far_from_zero_is_as_good(self):
         states = [State("phi", period=2.0 * math.pi), State("v")]
         problem = orbits(self.pendulum, states, {"d": 0.5, "i": 2.0}, "i")
@@ -155,6 +159,7 @@ class TestWinding:
         near = cw.continue_branch(problem, [0.0, 4.0], (1.9, 2.1), period=1.6)
         assert far["period"][[0, -1]] == pytest.approx(near["period"][[0, -1]], rel=WALKING * ACCURACY)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize(("speed", "turns"), [(2.0, 1), (-4.0, -2)])
     def test_a_forced_rotor(self, speed, turns):
         """In the frame that turns with the force it is a pendulum at rest."""
@@ -192,6 +197,7 @@ class TestNeutral:
     At m = 1e-7 a multiplier is one but for 3e-11; below, the orbit is one of a family to rounding.
     """
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("preset", ["fig20", "fig21"])
     def test_a_vanishing_load_of_the_anisotropic_machine(self, preset):
         system = load_system("autobalancer", {"masses": 2, "suspension": "anisotropic"})

@@ -22,6 +22,7 @@ def van_der_pol(t, x, p, dx):
 
 
 class TestPeriod:
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("period", [1e-6, 1e6])
     def test_a_cycle_of_closed_form(self, period):
         rate = 2.0 * math.pi / period
@@ -30,6 +31,7 @@ class TestPeriod:
         assert branch.outcome.reason == "bound"
         assert_stuart_landau(branch, rate, WALKING * ACCURACY)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("rate", [1e-6, 1e6])
     def test_its_hopf_point_has_the_cycle(self, rate):
         system = small_system(stuart_landau(rate), "xy", {"mu": -0.5})
@@ -40,6 +42,7 @@ class TestPeriod:
         assert_stuart_landau(cycle, rate, WALKING * ACCURACY)
         assert np.hypot(cycle["x"], cycle["y"])[-1] == pytest.approx(math.sqrt(0.5), rel=WALKING * ACCURACY)
 
+    @pytest.mark.long
     def test_van_der_pol_at_three_rates_is_one_branch(self):
         periods = {}
         for rate in (1.0, 1e-6, 1e6):
@@ -57,6 +60,7 @@ class TestPeriod:
 class TestAmplitude:
     """A cycle of 1e-7 next to its Hopf point."""
 
+    @pytest.mark.long
     def test_around_the_origin(self):
         problem = orbits(stuart_landau(cubic=1e10), "xy", {"mu": 1e-4}, "mu")
         branch = cw.continue_branch(problem, [1e-7, 0.0], (1e-5, 1e-3), period=6.28)
@@ -134,6 +138,7 @@ class TestStates:
         states = [State(name, scale=s) for name, s in zip("uv", scales, strict=True)]
         return small_system(scaled_brusselator, states, {"A": 1.0, "B": b})
 
+    @pytest.mark.drawn(1)
     def test_the_cycle_from_the_hopf_point(self, declared):
         system = self._system(declared, 1.5)
         problem = cw.Equilibrium(system, system.defaults(), "B")
@@ -155,6 +160,7 @@ class TestStates:
         assert branch["period"][branch["B"] == 3.0] == pytest.approx(BRUSSELATOR, rel=WALKING * ACCURACY)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("unit", [1e12, 1e-12])
 def test_a_parameter_of_1e12(unit):
     system = small_system(stuart_landau(unit=unit), "xy", {"mu": -0.5 * unit})
@@ -183,6 +189,7 @@ def test_a_parameter_of_1e12_that_changes_by_one():
     assert branch["period"] == pytest.approx(2.0 * math.pi, rel=WALKING * ACCURACY)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("lowest", [1.01, 1.0001])
 def test_an_orbit_that_creeps_past_a_point_where_the_field_nearly_vanishes(lowest):
     """Angular velocity a^2 - cos: T = 2 pi / sqrt(a^4 - 1), and the other multiplier is exp(-2 T)."""

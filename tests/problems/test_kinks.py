@@ -59,7 +59,7 @@ def orbits(folder, term, free="w"):
     return study(folder, PLUGIN.format(term=term), START % free, figures=False)
 
 
-@pytest.mark.drawn(3)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("term", "what"),
     [
@@ -91,6 +91,7 @@ def test_orbits_that_reach_a_jump_on_the_way_end_before_it(tmp_path):
     assert branch["stable"].all()
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(
     ("term", "what", "means"),
     [
@@ -112,6 +113,7 @@ def test_weaker_kinks_are_told_once_a_branch(tmp_path, term, what, means):
     assert means in told
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(
     "term",
     [

@@ -163,6 +163,7 @@ def checked(
         assert np.max(np.abs(found - expected)) <= NEAR * np.max(np.abs(expected)), number
 
 
+@pytest.mark.long
 def test_a_mirrored_half_with_pinned_directions():
     """The second half is seen as the image of an integrated one; places that are pinned start undisplaced."""
     problem, z = travelling_orbit()

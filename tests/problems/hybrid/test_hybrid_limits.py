@@ -49,7 +49,7 @@ class TestClocks:
             )
         )
 
-    @pytest.mark.drawn(3)
+    @pytest.mark.drawn(2)
     @pytest.mark.parametrize(("clock", "kind"), CLOCKS)
     def test_place_and_kind(self, clock, kind):
         """Where `second` is at 0.4; a corner where the branch's slopes on both sides differ."""
@@ -68,7 +68,7 @@ class TestClocks:
         assert point.unstable_before == point.unstable_after == 0
         assert point.criticality is None
 
-    @pytest.mark.drawn(3)
+    @pytest.mark.drawn(2)
     @pytest.mark.parametrize(("clock", "kind"), CLOCKS)
     def test_orbits_in_the_other_order_leave(self, clock, kind):
         first, other = self.study(clock)[:2]
@@ -163,6 +163,7 @@ class TestImpactOscillator:
         """Force at which the least displacement is -2."""
         return brentq(lambda f: cls.lowest(f) + 2.0, 1.0, 2.0, xtol=1e-13)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("policy", ["stop", "ignore", "switch"])
     def test_a_watched_guard_is_touched(self, policy):
         """A second stop, which is only watched: there is nothing to switch to."""
@@ -191,6 +192,7 @@ class TestImpactOscillator:
             assert row["observables"][names.index("bottom")] == pytest.approx(expected, abs=1e-6)
         check_hybrid_branch(branch, with_watched(bottom))
 
+    @pytest.mark.drawn(2)
     @pytest.mark.parametrize("side", ["before", "after"])
     @pytest.mark.parametrize("policy", ["stop", "ignore"])
     def test_a_condition_at_an_event(self, side, policy):
@@ -222,6 +224,7 @@ class TestImpactOscillator:
         expected = 3.0 - speeds / 0.8 if side == "before" else 2.4 - speeds
         np.testing.assert_allclose(branch["soft"], expected, rtol=0, atol=1e-6)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("phase", [0.0, 0.4])
     def test_a_watched_guard_at_the_end_of_a_leg(self, phase):
         """It is zero at the impact itself: the angle of the force there."""

@@ -177,12 +177,14 @@ class TestMarks:
         assert point.state["y"] == pytest.approx(0.0105 * math.sin(phase), abs=ACCURACY)
         assert point.state["v"] == pytest.approx(-SPEED, abs=ACCURACY)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("phase", [0.45, 0.6])
     def test_of_an_observable_at_an_event(self, phase):
         (point,) = [p for p in branch((("impact_phase", (phase,)),)).special_points if p.label == "UZ"]
         assert_met(point, "A", SPEED * (1.0 - E) / ((1.0 + E) * OMEGA * math.cos(phase)))
         assert point.kind == "observable"
 
+    @pytest.mark.long
     def test_of_an_observable_of_the_motion(self):
         """Largest height: that of the bounce and of the flight."""
         top = 0.0445
@@ -199,6 +201,7 @@ class TestMarks:
             cosine = SPEED * (1.0 - E) / ((1.0 + E) * OMEGA)
             assert_met(point, "A", math.hypot(height, cosine))
 
+    @pytest.mark.long
     def test_of_the_split(self):
         """trace^2 = 4 e^2: where the pair turns complex, and real again."""
         (first, second) = [p for p in branch((("split", (0.0,)),)).special_points if p.label == "UZ"]

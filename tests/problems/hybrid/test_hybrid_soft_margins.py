@@ -72,7 +72,7 @@ def start(k: float) -> dict:
 STOPPED = [("falling",), ("low",), ("falling", "low"), ("high", "falling", "low")]
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("stopped", STOPPED)
 def test_depth_is_seen_whatever_the_sign_of_rounding_where_the_damper_lets_go(stopped: Sequence[str]) -> None:
     system = clock(stopped)
@@ -82,7 +82,7 @@ def test_depth_is_seen_whatever_the_sign_of_rounding_where_the_damper_lets_go(st
         assert abs(found - (GAP - Q * k / (1.0 - Q))) < WALKED, k
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("max_step", [0.1, 0.043, 0.0171])
 @pytest.mark.parametrize("stopped", STOPPED)
 def test_touching_the_stop_is_located_whatever_the_steps(stopped: Sequence[str], max_step: float) -> None:
@@ -95,6 +95,7 @@ def test_touching_the_stop_is_located_whatever_the_steps(stopped: Sequence[str],
     assert np.all(branch["admissible"])
 
 
+@pytest.mark.long
 def test_a_limit_that_a_step_ends_at_is_told_once() -> None:
     # Sixteen steps of equal length in the parameter lead from the start to the limit.
     given = clock(("low",)), "k", (0.9 * TOUCHES, 1.1 * TOUCHES)
@@ -104,7 +105,7 @@ def test_a_limit_that_a_step_ends_at_is_told_once() -> None:
     assert np.sum(np.abs(branch["k"] / TOUCHES - 1.0) < 1e-6) == 1
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("stopped", STOPPED)
 def test_beyond_it_orbits_are_told_not_admissible(stopped: Sequence[str]) -> None:
     given = clock(stopped), "k", (0.9 * TOUCHES, 1.1 * TOUCHES)

@@ -29,7 +29,7 @@ def study(folder, guard=GUARD, speed=SPEED):
     return branch, branch["load"][-1], notes
 
 
-@pytest.mark.drawn(4)
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(
     ("given", "of", "what"),
     [
@@ -54,6 +54,7 @@ def test_a_branch_ends_where_its_event_comes_to_a_jump(tmp_path, given, of, what
     assert branch["stable"].all()
 
 
+@pytest.mark.long
 def test_a_branch_ends_where_a_jump_right_before_an_event_has_hidden_an_earlier_one(tmp_path):
     """The pad is at 0.6 up to a load of -0.8, and at 0.65 then: where that load is reached between both, the
     pad has been passed before.
@@ -74,6 +75,7 @@ def test_a_jump_of_the_free_parameter_ends_the_branch_there(tmp_path):
     assert 0.0 < 1.4 - branch["force"][-1] < 1e-6
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("given", "of", "what"),
     [
@@ -91,7 +93,7 @@ def test_slopes_that_jump_at_the_event_are_told_and_passed(tmp_path, given, of, 
     assert f"arm.py, line {LINES[of]} ({what})" in told
 
 
-@pytest.mark.drawn(3)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     "given",
     [
@@ -121,6 +123,7 @@ def test_a_point_beside_a_jump_is_found_again_when_the_run_is_resumed(tmp_path):
     assert np.array_equal(again["force"], branch["force"])
 
 
+@pytest.mark.long
 def test_a_jump_along_a_path_ends_the_branch_there(tmp_path):
     """Between two parameter sets: what jumps depends on both parameters."""
     speed = f"{SPEED} - (0.0 if p.force - p.lag < 0.85 else 0.1)"
@@ -169,6 +172,7 @@ continue: {parameter: leak, range: [1.9, 2.5], max_points: 60, direction: forwar
 """
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     "change", [" * (1.0 if p.leak < 2.2 else 0.9)", " - (0.0 if p.leak < 2.2 else 1e-3)"]
 )

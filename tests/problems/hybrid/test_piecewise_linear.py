@@ -212,6 +212,7 @@ def exact_bilinear(omega: float, state: Sequence[float]) -> tuple[np.ndarray, np
     return (end - begin)[:2], values[np.argsort(-np.abs(values))]
 
 
+@pytest.mark.long
 class TestBilinear:
     """Resonances add and take contacts: at omega = 0.716 one more begins."""
 
@@ -238,6 +239,7 @@ class TestBilinear:
             if point.label == "PD":
                 assert values[0] == pytest.approx(-1.0, abs=10.0 * ACCURACY)
 
+    @pytest.mark.long
     def test_declared_hard_it_grazes_where_a_contact_begins_and_goes_on(self):
         """The same period doublings, on both sides of the grazing."""
         found = diagram(
@@ -260,6 +262,7 @@ class TestBilinear:
 # -- a spring, and a wall behind the other side --------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_quiet_orbit_meets_its_spring_before_its_wall():
     """Without hard events so far; where the wall is grazed the orbits with hits leave, springs and all."""
 

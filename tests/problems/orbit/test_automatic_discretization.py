@@ -69,6 +69,7 @@ def test_segments_of_equal_duration_are_as_by_shooting():
         np.testing.assert_array_equal(a[:, :size], b[:, :size])
 
 
+@pytest.mark.long
 def test_what_segments_of_equal_duration_do_not_take_is_cut_where_deviations_grow():
     """By default; the row tells the times of the cuts, and the run that they were chosen."""
     found, system = nerve_cycles(0.01, Discretization(), max_points=180)
@@ -85,7 +86,7 @@ def test_what_segments_of_equal_duration_do_not_take_is_cut_where_deviations_gro
     np.testing.assert_array_equal(problem.fitting(found.unknowns(0)).layout.begins, first.mesh.cuts)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_both_explosions_of_a_nerve_are_passed_by_default():
     """Between them one segment is enough, and would not show how deviations grow in the second one."""
     found, _ = nerve_cycles(0.05, Discretization())
@@ -93,6 +94,7 @@ def test_both_explosions_of_a_nerve_are_passed_by_default():
     assert [fold.status for fold in labelled(found, "LP")] == ["located", "located"]
 
 
+@pytest.mark.long
 def test_an_orbit_that_begins_within_its_last_step_has_its_cuts_in_the_closure():
     """It was stored as one segment there, in the middle of an explosion, and the branch ended."""
     found, system = nerve_cycles(0.05, Discretization(scheme="grown"))
@@ -117,6 +119,7 @@ def test_what_was_stored_by_auto_before_is_read_as_it_was():
     assert problem.discretization.scheme == "grown"
 
 
+@pytest.mark.long
 def test_a_stiff_relaxation_oscillation_is_not_cut_in_its_jumps():
     """What grows there is forgotten before a segment ends; cuts would have to move with the jumps."""
     system = small_problem(relaxing, "xy", {"mu": 1e4}, "mu").system

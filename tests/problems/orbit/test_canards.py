@@ -36,6 +36,7 @@ def nerve(t, x, p, dx):
     dx[1] = 0.08 * (x[0] + 0.7 - 0.8 * x[1])
 
 
+@pytest.mark.long
 def test_a_fold_at_which_the_parameter_stands_still_is_located():
     """FitzHugh-Nagumo: I moves by 1e-11 while the period goes from 66 to 69. The image of an orbit at I under
     (v, w) -> (-v, 7/4 - w) is one at 7/4 - I: the family's two folds add up to that, and have one period."""
@@ -61,6 +62,7 @@ def steep(t, x, p, dx):
     dx[1] = 0.01 * (x[0] + 0.7 - 0.8 * x[1])
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("chosen", "told"),
     [

@@ -155,6 +155,7 @@ def cycles(discretization) -> tuple[Branch, object]:
     return cw.switch_branch(problem, equilibria, "HB1", (0.0, 300.0)), system
 
 
+@pytest.mark.long
 def test_both_discretisations_find_the_same_folds():
     shot, _ = cycles(Discretization())
     collocated, system = cycles(COLLOCATION)
@@ -176,7 +177,7 @@ def nerve(t, x, p, dx):
     dx[1] = 0.01 * (x[0] + 0.7 - 0.8 * x[1])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_explosion_in_which_the_parameter_stands_still_is_gone_through():
     """FitzHugh-Nagumo along its canards: the period grows, the parameter keeps all its digits, and nothing
     grows without bound."""

@@ -90,6 +90,7 @@ def leaf(t, x, p, dx):
     dx[1] = x[0] + p.a * x[1] - 1.5 * x[0] ** 2 - 1.5 * p.a * x[0] * x[1] - 2.0 * aside * x[1]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("a", [-0.8, 0.2])
 def test_longer_periods_are_followed_until_rounding_is_left(a):
     problem = small_problem(leaf, "xy", {"m": 1.0, "a": a}, "m")
@@ -110,6 +111,7 @@ def circuit(t, x, p, dx):
     dx[2] = x[1]
 
 
+@pytest.mark.long
 def test_folds_before_a_saddle_focus_are_no_end():
     """Around a saddle-focus the family turns again and again, each time nearer to the limit."""
     problem = small_problem(circuit, "xyz", {"nu": -0.9}, "nu")
