@@ -30,7 +30,7 @@ def durations(path):
     return found
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("fps", "lasts"), [(10.0, 100), (30.0, 30), (60.0, 20), (8.0, 120)])
 def test_a_gif_plays_as_long_as_the_motion_lasts(tmp_path, fps, lasts):
     path = tmp_path / "walk.gif"
@@ -43,7 +43,7 @@ def test_a_gif_plays_as_long_as_the_motion_lasts(tmp_path, fps, lasts):
 
 def test_slow_motion_has_more_frames(tmp_path):
     path = tmp_path / "slow.gif"
-    assert save_animation(HOPPER, TIMES, STATES, {}, path, events=EVENTS, fps=5.0, slow=3.0) == 30
+    assert save_animation(HOPPER, TIMES, STATES, {}, path, events=EVENTS, fps=2.0, slow=3.0) == 12
     assert sum(durations(path)) == 6000
 
 
@@ -77,6 +77,7 @@ def test_html_is_a_page_that_needs_nothing_else(tmp_path):
     assert [found.name for found in tmp_path.iterdir()] == ["walk.html"]
 
 
+@pytest.mark.long
 def test_a_page_stores_once_what_frames_have_in_common(tmp_path):
     sizes = []
     for fps in (1.0, 8.0):
@@ -178,6 +179,7 @@ def test_a_second_motion_is_pale_and_behind():
     assert "said" in [text.get_text() for text in film.figure.texts]
 
 
+@pytest.mark.long
 def test_progress_is_told(tmp_path):
     told = []
     save_animation(
@@ -261,6 +263,7 @@ def test_a_folder_that_is_not_there(tmp_path):
         save_animation(CLOCK, TURN_TIMES, TURN_STATES, {}, tmp_path / "no" / "a.gif", fps=1.0)
 
 
+@pytest.mark.long
 def test_frames_are_evenly_spaced_in_time(tmp_path):
     film_times = []
 

@@ -334,6 +334,7 @@ def test_full_disk_keeps_every_point(
         assert [point.s for point in again.specials("b1")][:specials] == [float(s) for s in range(specials)]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("foresight", [True, False])
 def test_a_limit_on_the_size_of_files_keeps_every_point(
     tmp_path, header, make_info, make_row, make_special, monkeypatch, foresight

@@ -49,7 +49,9 @@ def only(branch: Branch, label: str) -> SpecialPoint:
     return point
 
 
-@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize(
+    "accuracy", [ACCURACIES[1], *(pytest.param(a, marks=pytest.mark.long) for a in ACCURACIES[::2])]
+)
 class TestCascade:
     def test_the_tree_is_one_equilibrium_and_four_orbits(self, accuracy):
         branches = cascade(accuracy)

@@ -19,7 +19,10 @@ from autobalancer_figures import (
 pytestmark = pytest.mark.thesis
 
 FIG_6, FIG_7 = EQUILIBRIA["omega_c0.7"], EQUILIBRIA["omega_c0.1"]
-STUDIES = [("autobalancer_omega", FIG_6), ("autobalancer_omega_light_damping", FIG_7)]
+STUDIES = [
+    ("autobalancer_omega", FIG_6),
+    pytest.param("autobalancer_omega_light_damping", FIG_7, marks=pytest.mark.long),
+]
 SPEEDS = [float(row[0]) for row in FIG_6["max_re"]]
 MARKED = (f"mark={{omega: {SPEEDS}}}", "continue.range=[0.2, 6.5]")
 

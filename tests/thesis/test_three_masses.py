@@ -164,6 +164,7 @@ def test_type_5_alone_is_stable_when_overloaded():
     assert all(cosine < 0.0 for cosine, stable in overloaded if stable)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("max_step", [0.02, 0.04, 0.072, 0.1])
 def test_full_load_is_a_branch_point_where_type_5_becomes_stable(system, max_step):
     # Two equal eigenvalues pass zero together (the symmetry of three masses), and the walk goes on.
@@ -190,6 +191,7 @@ def test_balanced_family_with_mass_3_held_ends_in_a_fold(system):
     assert fold.state["beta1"] == pytest.approx(fold.state["beta2"], abs=1e-7)  # the square root of rounding
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("max_step", [0.02, 0.04, 0.06, 0.1])
 def test_branch_point_of_types_3_and_4_with_the_balanced_family(system, max_step):
     # At m e = m1 l1 masses at pi, pi, 0 are balanced: one real eigenvalue passes zero upward, one downward.

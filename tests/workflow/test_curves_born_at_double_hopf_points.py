@@ -40,6 +40,7 @@ output: two_pairs.h5
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.5, 0.01])
 def test_tori_of_both_cycles_are_followed_from_a_double_hopf_point(tmp_path, share) -> None:
     """Where r changes the growth of s little, the cycle with a torus is larger, as in Lorenz-84."""
@@ -56,7 +57,7 @@ def test_tori_of_both_cycles_are_followed_from_a_double_hopf_point(tmp_path, sha
         assert 0.0 < curve["mu"].min() < 0.15
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize(("weak", "told"), [("1e-6", True), ("0.0", False)])
 def test_tori_that_are_not_found_are_told(tmp_path, weak, told) -> None:
     """r changes the growth of s so little that no place beside the point has that torus; or not at all."""

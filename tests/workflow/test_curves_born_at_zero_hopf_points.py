@@ -41,6 +41,7 @@ output: zero_hopf.h5
 """
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("kind", ["LP", "HB"])
 def test_tori_are_followed_from_a_zero_hopf_point_of_either_curve(tmp_path, kind) -> None:
     _, (_, *curves), _ = studied(tmp_path, "zero_hopf", PLUGIN, RUN.replace("KIND", kind))
@@ -51,7 +52,7 @@ def test_tori_are_followed_from_a_zero_hopf_point_of_either_curve(tmp_path, kind
     assert 0.0 < tori["b"].min() < 0.05
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["LP", "HB"])
 def test_tori_that_are_not_found_are_told(tmp_path, monkeypatch, kind) -> None:
     monkeypatch.setattr(births, "tori_of_cycles", lambda *_: ())

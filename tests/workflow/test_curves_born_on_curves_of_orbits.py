@@ -60,6 +60,7 @@ def touching(tmp_path_factory) -> tuple[System, list[Branch], list[str]]:
     return studied(tmp_path_factory.mktemp("touching"), "touching", TOUCHING, RUN)
 
 
+@pytest.mark.long
 def test_a_grazing_curve_is_followed_from_a_curve_of_doublings(touching) -> None:
     _, (_, doublings, grazings), notes = touching
     assert (doublings.info.settings["of"], grazings.info.settings["of"]) == ("PD", "GR")
@@ -93,6 +94,7 @@ output: henon.h5
 """
 
 
+@pytest.mark.long
 def test_tori_are_followed_from_a_resonance_on_folds(tmp_path) -> None:
     """R1 at (-1, 1), tori where beta is one, R4 at alpha = 0."""
     _, (_, folds, tori), notes = studied(

@@ -57,7 +57,7 @@ def later(folder: Path, point: str, most: int = 12, extra: str = "") -> list[Bra
 
 
 class TestRestarts:
-    @pytest.mark.slow
+    @pytest.mark.long
     def test_at_the_fold(self, folder):
         """The branch goes both ways from the fold, and finds it again."""
         fold = first(folder)[0].special("LP1")
@@ -75,6 +75,7 @@ class TestRestarts:
         at_fold = np.arange(len(branch)) == found[0].index
         check_hybrid_branch(branch, load_system("planar_walker"), chosen=at_fold)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("point", ["b1/GR2", "b1/AZ2", "b1/PD1", "b1/20"])
     def test_at_other_points(self, folder, point):
         parent = first(folder)[0]
@@ -95,6 +96,7 @@ class TestRestarts:
         (branch,) = later(folder, "b1/GR1", most=20)
         assert branch["period"].max() <= grazing.period * (1.0 + WALKED)
 
+    @pytest.mark.long
     def test_of_a_doubled_gait(self, folder):
         doubled = first(folder)[1]
         index = int(np.argmax(doubled["alpha"]))

@@ -112,6 +112,7 @@ def two(place) -> Path:
     return computed(place, "two").path
 
 
+@pytest.mark.long
 def test_points_of_another_database(two) -> None:
     with cw.open_database(two) as db:
         assert db.branch_names() == ["b1", "b2"]  # HB2 lies on the curve of HB1
@@ -203,6 +204,7 @@ def test_points_of_the_study_begin_curves_before_points_of_curves_do(place) -> N
     assert "depth" not in notes
 
 
+@pytest.mark.long
 def test_what_is_not_followed_beyond_the_last_generation_is_told(place) -> None:
     given = ("diagram={follow: none, depth: 1}", "loci.follow=[BT]")
     path = computed(place, "all", *given, output="shallow.h5").path
@@ -341,6 +343,7 @@ def test_that_there_was_no_curve_is_no_longer_said_when_there_is_one(tmp_path):
     assert np.nanmax(curves[0].points["error"]) < 1e-14  # in the metric: some ulps of parameters of size one
 
 
+@pytest.mark.long
 def test_a_start_beside_which_equations_have_no_value_does_not_end_the_run(place, monkeypatch):
     """What is beside it is asked of the walk: the curves from the other starts are walked all the same."""
 

@@ -22,6 +22,7 @@ def run_with(tmp_path, path: str):
     return run(read_run_file(tmp_path / "run.yaml", overrides, str(tmp_path / "out.h5")), figures=False)
 
 
+@pytest.mark.slow
 def test_it_is_said(tmp_path):
     (branch,) = run_with(tmp_path, "{from: no_overlap, to: overlap}").branches
     assert branch.outcome.status == "failed"

@@ -8,6 +8,7 @@ from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import run
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("old", "new"),
     [("p.mu * x[0]", "1.01 * p.mu * x[0]"), ('Parameter("mu", -0.5)', 'Parameter("mu", -0.4)')],

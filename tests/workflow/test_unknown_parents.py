@@ -86,6 +86,7 @@ def told(branches: list[Branch]) -> list[tuple[str, list[tuple[str, str]]]]:
     return list(zip((b.info.origin for b in branches), points, strict=True))
 
 
+@pytest.mark.long
 def test_the_orbits_that_a_doubled_one_comes_from_are_followed(tmp_path):
     """The doubled orbit settles; that of one period lacks the symmetry too, and comes from one with it."""
     run = RUN.format(name="duffing", x=4.2, v=0.1, low=1.19, high=1.7, way="both", depth=2)
@@ -181,7 +182,7 @@ output: {name}.h5
 @pytest.mark.parametrize(
     ("name", "plugin", "state"),
     [
-        ("flipped", FLIPPED, "x: 1.0, y: 0.0"),
+        pytest.param("flipped", FLIPPED, "x: 1.0, y: 0.0", marks=pytest.mark.slow),
         pytest.param("turned", TURNED, "x: 1.0, y: 0.0, z: 0.0", marks=pytest.mark.long),
     ],
 )

@@ -82,6 +82,7 @@ def test_curves_stop_before_neutral_saddles_where_that_is_asked_for(one) -> None
     assert "neutral_saddles=follow" in branch.outcome.message
 
 
+@pytest.mark.long
 def test_parameters_are_marked_along_curves(one) -> None:
     branch = cw.continue_locus(SYSTEM, one, "HB1", RANGES, marks={"delta": [0.15], "alpha": [0.25]})
     found = labelled(branch, "UZ")
