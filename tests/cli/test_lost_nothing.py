@@ -37,6 +37,7 @@ def limited(folder, *arguments, size):
     return subprocess.run(command, cwd=folder, preexec_fn=limit, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("size", [140_000, 200_000, 280_000])
 def test_a_limit_on_the_size_of_files(contwalk, folder, size):
     assert contwalk("continue", "run.yaml", *LONG, "--output", "whole.h5", "--quiet").code == 0

@@ -72,6 +72,7 @@ def test_a_chart_says_where_solutions_change_and_no_curve_was_followed() -> None
     assert "LP" not in note
 
 
+@pytest.mark.long
 def test_a_chart_has_the_ranges_that_curves_were_looked_for_in() -> None:
     """The folds end at the cusp, b2 = 0: below it there is one equilibrium, and the chart shows that."""
     ranges = {"b1": (-1.4, 1.3), "b2": (-1.0, 2.0)}

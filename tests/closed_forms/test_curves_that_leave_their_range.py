@@ -34,6 +34,7 @@ def followed(
     return cw.continue_locus(system, branch, which, ranges, max_step=0.4, max_share=0.2, **rest)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("direction", ["both", "backward"])
 def test_an_isola_that_is_cut_by_its_range_closes(direction) -> None:
     ranges = {"a": (-2.0, 2.0), "b": (-2.0, 0.8)}
@@ -114,6 +115,7 @@ def computed(place: Path, output: str, *changes: str, **options: bool) -> list[B
         return db.branches()
 
 
+@pytest.mark.long
 def test_both_folds_of_a_study_have_one_curve(tmp_path) -> None:
     (tmp_path / "leaving.py").write_text(PLUGIN.format(field="p.a**2 + p.b**2 - 1.0 + x[0] ** 2", b=0.3))
     (tmp_path / "run.yaml").write_text(RUN.format(x=-0.95, first=[-2.0, 2.0], second=[-2.0, 0.8]))

@@ -64,6 +64,7 @@ def drive(w: mpmath.mpf, c: float) -> mpmath.mpf:
     return v - c * (v * lasts - lasts**2 / 2)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("c", [0.05, -0.05])
 def test_orbits_below_the_ceiling_and_above_it_meet_where_it_is_touched(c) -> None:
     """On one side, or with a fold: then both lie on the same side of it."""
@@ -98,6 +99,7 @@ def test_a_visit_that_begins_is_followed_from_the_touch_itself() -> None:
     assert {p.label for b in found for p in b.special_points} <= {"GR", "PD", "EP"}
 
 
+@pytest.mark.long
 def test_where_every_other_passage_ceases_is_known_as_other_points_are() -> None:
     """One of two passages vanishes: its guard has a double root, which equations of the orbit tell badly."""
     c, least = mpmath.mpf("0.05"), mpmath.sqrt(2)

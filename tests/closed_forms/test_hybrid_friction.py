@@ -100,6 +100,7 @@ def rests(branch: Branch) -> list[bool]:
     return [len(legs[name]) == 3 for name in ("goes_down", "goes_up")]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("start", "expected"),
     [
@@ -126,6 +127,7 @@ def test_branches_pass_where_a_phase_of_rest_vanishes_or_appears(start, expected
         check(branch)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("start", [0.8, 0.4])
 def test_without_a_bias_both_phases_of_rest_vanish_together(start) -> None:
     """Nobody has declared the symmetry. The way up lasts half a period from sin t = f on: 2 cos t = pi f."""

@@ -161,6 +161,7 @@ class TestRolling:
         check_hybrid_branch(branch, SYSTEM, chosen=kept_rows)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", TO_THE_END)
 def test_it_ends_at_the_least_slope_in_a_homoclinic_orbit(name):
     branch = rolling(name)
@@ -173,6 +174,7 @@ def test_it_ends_at_the_least_slope_in_a_homoclinic_orbit(name):
     assert end.period > 10.0
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", TO_THE_END)
 def test_errors_are_claimed_up_to_the_homoclinic_end(name):
     """The multiplier is eta^2 at every slope, and the speed is known: what a row claims of them holds."""

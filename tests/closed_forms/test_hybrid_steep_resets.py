@@ -35,6 +35,7 @@ def root_of_size(t, x, p, after):
     after[0] = p.r - 0.5 * np.sqrt(np.abs(x[0]))
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("reset", "start", "r"), [(root_above, -0.3, -0.2), (root_above, 0.6, 1.4), (root_of_size, 0.5, 1.0)]
 )

@@ -51,7 +51,7 @@ def branch(rate):
     return found
 
 
-@pytest.mark.parametrize("rate", [1e3, 1e7])
+@pytest.mark.parametrize("rate", [pytest.param(1e3, marks=pytest.mark.long), 1e7])
 class TestSensor:
     def test_special_points_are_those_of_the_ball(self, rate):
         points = [p for p in branch(rate).special_points if p.label != "EP"]

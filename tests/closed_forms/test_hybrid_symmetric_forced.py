@@ -31,6 +31,7 @@ def walked(name: str, accuracy: float = ACCURACY) -> list[Branch]:
     return diagram(system, "beta", range_, state, values, mode=mode, follow=("BP",), accuracy=accuracy)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", CASES)
 def test_half_a_cycle_is_walked(name: str) -> None:
     (parent, *_), (_, n, _, _) = walked(name), CASES[name]
@@ -63,6 +64,7 @@ def test_max_abs_is_that_of_the_whole_cycle(name: str) -> None:
     assert np.array_equal(parent["max_abs"], of_the_half**2)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("accuracy", [ACCURACY, 1e-6])
 def test_symmetry_is_lost_where_a_multiplier_of_the_half_is_minus_one(name: str, accuracy: float) -> None:
@@ -90,6 +92,7 @@ def test_both_halves_of_the_branch_without_symmetry_are_walked_and_mirror_each_o
     assert abs(legs[0, 0] - legs[0, 1]) > 0.1 * legs[0].sum()
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("accuracy", [ACCURACY, 1e-6])
 def test_an_inversion_that_nobody_declared_makes_a_pitchfork_with_two_halves(accuracy: float) -> None:
     state, values, mode = start("block")

@@ -70,6 +70,7 @@ def test_the_orbit_that_hits_both_stops_is_its_own_image(found) -> None:
         np.testing.assert_allclose(first, -second, rtol=0, atol=WALKED)
 
 
+@pytest.mark.long
 def test_the_orbits_that_hit_one_stop_are_images_of_each_other(found) -> None:
     right, left = (next(b for b in found if b.info.signature == (name,)) for name in ("right", "left"))
     last = (right.points[~right["special"]][-1], left.points[~left["special"]][-1])
@@ -117,6 +118,7 @@ def ran(folder: Path, name: str, start: dict, grazing: str) -> list[Branch]:
     return cw.run(run_file, figures=False).branches
 
 
+@pytest.mark.long
 def test_a_start_where_an_impact_ceases_goes_both_ways_as_the_machine_does(tmp_path):
     """From an orbit with impacts down to the point, and from there: with impacts up, without them down."""
     (tmp_path / "one_stop.py").write_text(ONE_STOP, encoding="utf-8")

@@ -72,6 +72,7 @@ def relays(u: float, b: float, highest: float) -> list[Branch]:
     )  # fmt: skip
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("start", [0.7, 1.0])
 def test_a_relay_leaves_its_sliding_mode_less_often(start) -> None:
     """On the way down it does so while u < 1 - b, on the way up while u < 1 + b."""
@@ -157,6 +158,7 @@ def stops_between() -> float:
         return float(friction)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("start", [0.74, 0.95])
 def test_a_block_comes_to_rest_between_two_pushes(start) -> None:
     found = diagram(
@@ -236,6 +238,7 @@ def spring_under_a_ball() -> System:
     )
 
 
+@pytest.mark.long
 def test_a_ball_that_does_not_leave_its_spring_any_more():
     """Below the energy 0 it swings on the spring, with half the period of 2 pi; above, it flies as well."""
     flying, swinging = diagram(

@@ -242,7 +242,7 @@ def up_to_the_stop(downwards: float, omega: float) -> Branch:
     return found[0]
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("downwards", [0.3, 0.9])
 def test_a_grazing_at_the_instant_of_a_soft_transition_is_followed(downwards) -> None:
     """The instant lay in either of two pieces by rounding, and in the latter nothing touches the stop: the

@@ -46,7 +46,7 @@ def forced_loop(declared: bool):
     )
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("declared", [False, True], ids=["undeclared", "mirror"])
 @pytest.mark.parametrize("forced", [False, True], ids=["cycle", "forced"])
 def test_a_loop_through_two_pitchforks_is_closed(forced: bool, declared: bool) -> None:

@@ -101,6 +101,7 @@ def test_amplitudes_next_to_the_hopf_point():
         assert row["unstable"] == 0
 
 
+@pytest.mark.long
 def test_the_requested_accuracy_is_that_of_a_mark():
     """A mark is a located point: its orbit is as accurate as was asked for, whatever the walk's is."""
     for accuracy in (1e-5, 1e-7, 1e-10):

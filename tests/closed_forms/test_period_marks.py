@@ -98,6 +98,7 @@ def verify(branch: Branch, system: System, whole: float) -> None:
         assert again.verdict == AGREES, again
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("half", [False, True])
 def test_of_a_smooth_cycle(half: bool) -> None:
     """Of one that is closed up to a symmetry half the cycle counts, as in the column `period`."""
@@ -110,6 +111,7 @@ def test_of_a_smooth_cycle(half: bool) -> None:
     verify(branch, system, whole)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("system", "state", "whole"),
     [(relaxation(), [0.5], 1.0), (circle_in_halves(), [1.0, 0.0], 2.0 * math.pi)],

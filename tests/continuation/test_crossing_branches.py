@@ -60,7 +60,7 @@ def transcritical(seed):
     return field, n, lam, x, np.linalg.eigvals(-np.linalg.inv(rates) @ linear)
 
 
-@pytest.mark.drawn(5)
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("seed", range(12))
 def test_where_a_daughter_meets_zero_the_zero_branch_is_found(seed):
     field, n, lam, x, critical = transcritical(seed)
@@ -90,6 +90,7 @@ def test_a_point_of_a_branch_is_known_and_one_beside_it_is_not():
         assert known_branch(problem, here.sample, [upper]) == expected
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("mu", [1e-6, 1e-4, 1e-2, 0.3])
 def test_near_where_branches_cross_both_are_told_apart(mu):
     """Off the pitchfork by sqrt(mu), in states of size one: the corrector may reach either branch."""

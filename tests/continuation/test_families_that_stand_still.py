@@ -63,6 +63,7 @@ def nothing_but_the_family(cycles, points):
     assert np.abs(cycles["mu"]).max() < 1e-6  # of errors of the steps: 1e-6 of what an orbit moves
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("field", "period", "points", "reached"),
     [(spring, of_spring, 60, 0.2), (pendulum, of_pendulum, 75, 2.0)],

@@ -47,6 +47,7 @@ def walked(name):
     return made(name, mirror_images="walked")
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", CASES)
 def test_rows_are_those_that_a_walk_finds(name):
     (_, branch), notes, _ = known(name)
@@ -68,6 +69,7 @@ def test_rows_are_those_that_a_walk_finds(name):
         assert a[column] == pytest.approx(b[column], rel=1e-6, abs=1e-7, nan_ok=True), column
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", CASES)
 def test_special_points_are_those_that_a_walk_locates(name):
     (_, branch), _, _ = known(name)
@@ -109,6 +111,7 @@ def test_a_limit_is_located_by_a_walk_of_its_own():
     assert any("a limit (GR) has to be located" in note for note in notes)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_run_that_is_killed_goes_on_to_the_same_bits(trusted, monkeypatch):
     if not trusted:

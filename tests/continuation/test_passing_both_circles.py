@@ -55,6 +55,7 @@ def band(c: float) -> dict[str, float]:
     }
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("c", [0.01, -0.01])
 def test_a_band_between_two_tongues_is_not_stepped_over(c):
     """From 1.7e5 to -3.5e4 within a step: the doubling behind the branch point was lost without a word."""

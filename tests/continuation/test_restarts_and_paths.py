@@ -29,7 +29,7 @@ mark: {a: [0.125]}
     return result
 
 
-@pytest.mark.drawn(3)
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("point", ["LP1", "LP2", "UZ1", "UZ2", "UZ3", "EP1", "EP2", "0", "7", "20"])
 def test_from_any_stored_point_with_another_free_parameter(tmp_path, first, point):
     stored = first.branches[0]

@@ -86,6 +86,7 @@ def test_fold_of_cycles(folded):
     assert found.method in ("verner98", "radau9")
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("method", ["dop853", "verner98", "radau9"])
 def test_every_integrator_agrees(folded, method):
     system, branch = folded

@@ -11,6 +11,8 @@ from code_blocks import blocks, commands, run_command
 
 import contwalk as cw
 
+pytestmark = pytest.mark.slow
+
 PAGES = {"dry": "docs/howto/friction.md", "relay": "docs/howto/relays.md", "clock": "docs/howto/clocks.md"}
 # Along a branch orbits are solved for to a hundred times the accuracy of 1e-8.
 WALKED = 1e-6

@@ -7,6 +7,8 @@ from code_blocks import blocks, commands, run_command, run_python
 
 import contwalk as cw
 
+pytestmark = pytest.mark.slow
+
 PAGE = "docs/howto/many_runs.md"
 
 

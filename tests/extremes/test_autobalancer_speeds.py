@@ -81,6 +81,7 @@ def _autobalancer(**changes):
     return system, {**system.defaults(), **changes}
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("omega", [1e3, 1e5, 1e6, 1e8])
 def test_the_stored_error_bounds_the_true_error_of_max_re(omega):
     system, values = _autobalancer(omega=omega)

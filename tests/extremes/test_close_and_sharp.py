@@ -12,6 +12,7 @@ from small_systems import bifurcations, labelled, small_problem
 import contwalk as cw
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("e", [1e-3, 1e-5, 1e-7])
 def test_a_fold_so_sharp_that_the_step_shrinks_by_many_decades(e):
     """x^2 + e^2 = lambda^2 turns within e of lambda = 0; the first step is 0.02."""
@@ -47,7 +48,7 @@ def _pair_of_hopf_points(apart, bent):
     return small_problem(field, "xy", {"mu": -1.0}, "mu")
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("apart", [1e-2, 1e-5, 1e-7])
 @pytest.mark.parametrize("bent", [False, True])
 @pytest.mark.parametrize("start", [-1.0, -0.9123])
@@ -82,6 +83,7 @@ def test_hopf_points_that_have_just_merged_are_not_reported():
     assert bifurcations(branch) == []
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("apart", [1e-2, 1e-5])
 def test_two_folds_close_together(apart):
     """lambda = x^3 - 3 d^2 x turns at x = +-d; the parameters differ by 4 d^3."""
@@ -115,7 +117,7 @@ def test_two_folds_whose_parameters_are_1e_minus_5_apart():
     assert first.parameters["lam"] - second.parameters["lam"] == pytest.approx(1e-5, rel=1e-9)
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("apart", [1e-5, 1e-7])
 @pytest.mark.parametrize("same_state", [False, True])
 def test_two_branch_points_close_together(apart, same_state):
@@ -136,6 +138,7 @@ def test_two_branch_points_close_together(apart, same_state):
     assert_error_claim(second, "mu", mpmath.mpf(apart))
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("distance", [1e-3, 1e-6])
 def test_a_branch_point_next_to_a_fold_is_found_on_both_branches(distance):
     """x (mu - x^2 + 2 e x): branch point at 0 and, on the curved branch, a fold at mu = -e^2."""

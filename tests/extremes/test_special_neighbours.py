@@ -28,6 +28,7 @@ def test_a_machine_whose_velocities_are_zero_is_followed_through_its_pitchfork(d
     assert sorted(other["y"][[0, -1]]) == pytest.approx([-math.sqrt(3.0), math.sqrt(3.0)], rel=1e-14)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("b", [1e-2, 1e-4, 1e-5])
 def test_a_hopf_point_beside_a_fold_is_not_taken_for_its_count(b):
     # Bogdanov-Takens: HB at mu = -b^2, where z' changes sign at y = -b, and the fold at 0.
@@ -86,6 +87,7 @@ def test_a_zero_population_stays_zero():
         assert np.all(np.minimum(np.abs(other["u"]), np.abs(other["v"])) == 0.0)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("role", "kind"), [("spatial", "symmetry-breaking"), ("relabel", "pitchfork")])
 def test_a_pitchfork_that_a_mirror_forces_is_symmetry_breaking(role, kind):
     def mirror(t, x, p, image):

@@ -22,7 +22,7 @@ def bautin(cubic, place):
     return field
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("place", [(0.0, 0.0), (0.3, -0.7), (1e-17, 12.1)])
 @pytest.mark.parametrize(
     ("cubic", "expected"),
@@ -51,7 +51,7 @@ def quintic(cubic, place):
     return field
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("place", [0.0, 0.3, 12.1])
 @pytest.mark.parametrize(
     ("cubic", "expected"),
@@ -84,6 +84,7 @@ def beside_a_double_zero(t, x, p, dx):
     dx[1] = p.b1 + p.b2 * x[1] + x[0] ** 2 + x[0] * x[1]
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("apart", [1e-3, 1e-7, 1e-9, 0.0])
 def test_a_hopf_point_beside_a_fold_is_found_or_said_to_be_hidden(apart):
     problem = small_problem(beside_a_double_zero, "xy", {"b1": -0.3, "b2": apart}, "b1")

@@ -115,7 +115,7 @@ def random_case(suspension, n, seed):
     return system, parameters, float(random.uniform(0.0, 5.0)), random.normal(size=2 * n + 4)
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("suspension", ["isotropic", "anisotropic"])
 @pytest.mark.parametrize("n", [1, 2, 3])
 @pytest.mark.parametrize("seed", range(3))

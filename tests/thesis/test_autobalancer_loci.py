@@ -11,6 +11,7 @@ BT = {"omega": 1.099980514393239348, "c": 0.12925308868730382471}
 RANGES = {"omega": (0.5, 2.0), "c": (0.01, 1.0)}
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("which", ["LP1", "HB1"])
 def test_both_curves_pass_the_bogdanov_takens_point(which) -> None:
     system = cw.load_system("autobalancer")

@@ -126,6 +126,7 @@ def test_three_regions_of_fig_25():
         assert point.coefficients["omega"] == pytest.approx(float(frequency), rel=1e-12)
 
 
+@pytest.mark.long
 def test_map_of_fig_23_is_stable_everywhere():
     rows = figure_run("three_masses_damped_map", "sweep.m={from: 0.0025, to: 0.0205, count: 3}")
     for branch in rows:

@@ -22,6 +22,7 @@ SYSTEM = System(
 """
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("b2", "low", "high"), [(-0.5, -1.0, 0.0), (0.5, 0.0, 1.0)])
 def test_the_curve_of_hopf_points_begins_on_the_side_that_is_asked_for(tmp_path, b2, low, high) -> None:
     run = f"""

@@ -73,6 +73,7 @@ def test_folds_of_cycles_are_followed_from_a_generalized_hopf_point(tmp_path) ->
     assert folds["nu"].max() == 0.8
 
 
+@pytest.mark.long
 def test_cycles_of_a_machine_with_events_fold_beside_its_generalized_hopf_point_too(tmp_path) -> None:
     _, (_, hopf, folds, touching), _ = studied(tmp_path, "bautin", WALL, RUN)
     facts = folds.info.settings

@@ -87,6 +87,7 @@ def test_the_first_run_has_two_doublings_and_their_branches(folder):
         assert np.all(branch["lift"][regular] > 0.0)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("row", [0, 5, -1])
 def test_a_plain_row_of_a_cycle_continues_the_cycle(folder, row):
     cycle = first(folder)[0]
@@ -102,6 +103,7 @@ def test_a_plain_row_of_a_cycle_continues_the_cycle(folder, row):
     assert [p.parameters["lam"] for p in points] == pytest.approx([0.2, 0.4], rel=1e-8)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("row", [3, -2, -1])
 def test_a_plain_row_of_a_doubled_orbit_continues_the_doubled_orbit(folder, row):
     doubled = first(folder)[1]
@@ -116,6 +118,7 @@ def test_a_plain_row_of_a_doubled_orbit_continues_the_doubled_orbit(folder, row)
     assert branch["unstable"][branch["s"] == 0.0][0] == stored["unstable"]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("point", ["PD1", "PD2"])
 def test_a_period_doubling_is_a_start(folder, point):
     """The orbit of the parent, which is special itself: found on the way back, as at equilibria."""

@@ -34,6 +34,7 @@ def branch_of(folder, old, new):
     return result.branches[0], 1 + source[: source.index("sqrt")].count("\n")
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(
     ("change", "what", "last"),
     [

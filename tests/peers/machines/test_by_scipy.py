@@ -266,7 +266,21 @@ SHOTS = [
 ]
 
 
-@pytest.mark.parametrize("shot", SHOTS, ids=lambda shot: f"{shot.machine}-{shot.value}")
+# The double pendulum takes long: `make test` tries its doubling.
+LONG = {("double_pendulum", "LP")}
+
+
+@pytest.mark.parametrize(
+    "shot",
+    [
+        pytest.param(
+            shot,
+            id=f"{shot.machine}-{shot.value}",
+            marks=[pytest.mark.long] if (shot.machine, shot.test) in LONG else [],
+        )
+        for shot in SHOTS
+    ],
+)
 def test_a_listed_value(shot: Shot):
     run, value = shot.listed()
     system = shot.system or plugin(shot.machine)

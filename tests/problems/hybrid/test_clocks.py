@@ -73,6 +73,7 @@ def test_a_clock_is_a_sound_plugin_however_it_is_written(clock):
             refuse_unsound(pests((guard, "rising")))
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", ["sine, rising", "both ways", "modulo"])
 def test_releases_keep_the_pest_away_from_the_known_number_on(name):
     """Without pests the enemies' mean is m / (d T): the pest dies out where that exceeds its growth of 1."""
@@ -123,6 +124,7 @@ def sampled_multipliers(gain: float) -> np.ndarray:
     return np.linalg.eigvals(hold @ expm(SAMPLING * between))
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", ["sine, rising", "cosine"])
 def test_a_state_at_rest_under_sampled_control(name):
     guard, direction = CLOCKS[name]
@@ -142,6 +144,7 @@ def test_a_state_at_rest_under_sampled_control(name):
         np.testing.assert_allclose(np.poly(branch.points["spectrum"][k]), expected, rtol=0, atol=WALKED)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("mirrored", [True, False])
 def test_a_period_doubling_of_a_state_at_rest_is_followed(mirrored):
     """The control is held over each sample: what leaves at D = coth(T / 2) swings from one to the next.
@@ -259,6 +262,7 @@ def converter(jumping: bool = False) -> System:
     )
 
 
+@pytest.mark.long
 def test_period_doubling_of_the_buck_converter():
     """A product of matrix exponentials, saltation at the comparator, in 30 digits: E = 24.51657282856338."""
     (branch,) = diagram(converter(), "E", (22.0, 26.0), [12.0, 0.55], until="settled")

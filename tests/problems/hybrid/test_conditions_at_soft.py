@@ -69,6 +69,7 @@ def condition(function):
     return f"Condition('gentle', lambda t, x, p: {function}, at='touch'),"
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("more", ["", STOP], ids=["soft only", "with a stop"])
 def test_a_condition_at_a_soft_transition_is_watched(tmp_path, more):
     branch, told = study(tmp_path, condition("1.2 - p.force"), more)
@@ -78,6 +79,7 @@ def test_a_condition_at_a_soft_transition_is_watched(tmp_path, more):
     assert told == []
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("more", ["", STOP], ids=["soft only", "with a stop"])
 def test_a_condition_at_a_soft_transition_that_jumps_is_told(tmp_path, more):
     branch, (told,) = study(tmp_path, condition("1.0 if p.force < 1.2 else -1.0"), more)
@@ -87,6 +89,7 @@ def test_a_condition_at_a_soft_transition_that_jumps_is_told(tmp_path, more):
     assert "(a comparison)" in told
 
 
+@pytest.mark.long
 def test_a_watched_guard_that_jumps_in_a_machine_with_soft_transitions_only_is_told(tmp_path):
     guard = "(3.0 if p.force < 1.2 or x[1] > 0.0 else -3.0) - x[0]"
     watched = f"Transition('near', 'free', 'free', lambda t, x, p: {guard}, role='watched'),"
@@ -100,6 +103,7 @@ def test_a_condition_that_ceases_to_have_a_value_ends_nothing(tmp_path):
     np.testing.assert_array_equal(branch["admissible"], branch["force"] <= 1.2)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("more", ["", STOP], ids=["soft only", "with a stop"])
 def test_a_condition_at_a_soft_transition_that_is_not_a_number_is_told(tmp_path, more):
     branch, told = study(tmp_path, condition("math.sqrt(1.2 - p.force) + 1.0"), more)
@@ -109,6 +113,7 @@ def test_a_condition_at_a_soft_transition_that_is_not_a_number_is_told(tmp_path,
     assert "block.py, line" in sentence
 
 
+@pytest.mark.long
 def test_a_condition_whose_soft_transition_does_not_happen_is_not_missed(tmp_path):
     # The block stays before the gap: at force 1.4 it reaches 7, and the gap here is at 100.
     plugin = PLUGIN.replace("CONDITIONS", condition("math.sqrt(-1.0 - p.force)")).replace("MORE", STOP)

@@ -10,6 +10,7 @@ from resets import study, told_limit
 SADDLE = "dx[0] = x[0]; dx[1] = -2.0 * x[1]", "x_plus[0] = p.I + 0.5 * x[1]; x_plus[1] = 1.0"
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("machine", "limit"),
     [

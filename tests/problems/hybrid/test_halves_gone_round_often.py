@@ -48,7 +48,7 @@ def gone_round(rounds: int) -> HybridRecurrence:
     return replace(whole, stretches=whole.stretches[:rounds], returned=following, image=image)
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("rounds", [1, 2, 3, 4, 5, 6])
 @pytest.mark.parametrize("accuracy", [1e-7, 1e-9])
 def test_several_halves_are_told_as_one(

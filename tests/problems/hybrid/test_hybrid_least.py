@@ -36,6 +36,7 @@ def images(problem: HybridOrbit, z: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate([*[sign * states for sign in signs], *[lasting] * count, rest])
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("times", [2, 5])
 def test_a_quiet_orbit_of_several_periods_is_one_of_a_single_period(times: int) -> None:
     p = parameters(OMEGA, ZETA)
@@ -78,6 +79,7 @@ def test_an_orbit_is_not_halved_by_a_symmetry_that_nobody_declared() -> None:
     assert least(problem, z)[0] is problem
 
 
+@pytest.mark.long
 def test_half_an_orbit_that_goes_round_three_times_is_divided() -> None:
     problem, z = rocking()
     first = problem.itinerary.legs
@@ -89,6 +91,7 @@ def test_half_an_orbit_that_goes_round_three_times_is_divided() -> None:
     np.testing.assert_array_equal(start, z)
 
 
+@pytest.mark.long
 def test_what_follows_the_last_impact_of_two_periods_has_a_single_one() -> None:
     """An impact every other period ceases where the linear motion touches the stop: that has one period."""
     p = parameters(OMEGA, ZETA)

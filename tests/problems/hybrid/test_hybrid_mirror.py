@@ -79,6 +79,7 @@ def located(found: list[Branch], label: str) -> list[SpecialPoint]:
     return [point for branch in found for point in branch.special_points if point.label == label]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("travels", [False, True])
 def test_half_of_it_is_integrated(travels):
     parent, child = branches(travels)
@@ -91,6 +92,7 @@ def test_half_of_it_is_integrated(travels):
     assert parent.points["spectrum"].shape[1] == 2
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("travels", [False, True])
 def test_symmetry_breaking_and_doubling_are_those_of_the_smooth_orbit(travels):
     for label in ("BP", "PD"):
@@ -158,6 +160,7 @@ def test_a_half_cycle_is_stored_and_taken_up_again(tmp_path):
     np.testing.assert_allclose(opening.state.sample.eigenvalues, sample.eigenvalues, rtol=1e-6)
 
 
+@pytest.mark.long
 def test_it_may_begin_with_any_leg():
     """An itinerary of two legs in half a cycle, begun with the other one: the image of the first follows."""
     system = machine(

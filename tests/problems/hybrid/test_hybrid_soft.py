@@ -120,6 +120,7 @@ def orbits(force: float) -> Branch:
 STARTS = pytest.mark.parametrize("force", [0.7 * TOUCH, 4.0 * TOUCH], ids=["without", "with contact"])
 
 
+@pytest.mark.long
 @STARTS
 class TestThroughTheFirstContact:
     def test_nothing_is_special(self, force):

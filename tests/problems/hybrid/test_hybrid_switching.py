@@ -133,6 +133,7 @@ class TestNormalForms:
         squares = y**2 + y * u * lasting + u**2 * lasting**2 / 3.0
         return math.sqrt(squares / half_height**2 + u**2 / half_speed**2)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("name", ["ball", "walker"])
     def test_doubling(self, name):
         """On the doubled orbit, half the distance of its two halves is xi with c xi^2 = mu."""
@@ -282,6 +283,7 @@ class TestParts:
             _, thrice, _, _ = self.repeated(name, 3)
             assert thrice.whole == (closure, 2)
 
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("laps", [1, 2, 3])
     def test_a_start_that_looks_at_several_laps_finds_the_orbit(self, laps):
         """A simulation of several periods of the ball, from its orbit: one bounce a period all the same."""

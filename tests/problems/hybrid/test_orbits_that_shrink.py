@@ -132,6 +132,7 @@ TO_A_POINT = {
 }
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("name", TO_A_POINT)
 def test_a_family_that_shrinks_to_a_point_ends_there(name):
     make, start, mode, truth, accuracy = TO_A_POINT[name]
@@ -181,6 +182,7 @@ def hysteresis(centre):
     return machine(["x"], {"h": 0.5}, {"up": towards(1.0), "down": towards(-1.0)}, between)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("centre", [0.0, 2.0])
 def test_a_family_that_shrinks_to_no_time_says_where(centre):
     start = [centre - 0.4]
@@ -191,7 +193,7 @@ def test_a_family_that_shrinks_to_no_time_says_where(centre):
     assert abs(value) <= error <= 1e-8
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("speed", [1e-3, 1e-6, 5e-10])
 @pytest.mark.parametrize("centre", [0.0, 3.0])
 def test_a_start_with_a_tiny_kick_is_no_orbit_at_rest(speed, centre):

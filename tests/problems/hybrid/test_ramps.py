@@ -54,6 +54,7 @@ def branch(folder, guard, most=0.6, **given):
     return cw.run(study, figures=False).branches[0]
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(
     ("guard", "what"),
     [
@@ -88,6 +89,7 @@ def test_a_start_whose_event_is_a_jump_is_refused_with_the_line(tmp_path):
     )
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("guard", "told"),
     [

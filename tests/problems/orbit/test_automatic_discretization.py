@@ -57,6 +57,7 @@ def lengths(branch):
     return np.isfinite(branch.points["unknowns"]).sum(axis=1)
 
 
+@pytest.mark.long
 def test_segments_of_equal_duration_are_as_by_shooting():
     """To the last bit, through an explosion in which they are halved, where shooting is enough."""
     shot, _ = nerve_cycles(0.08, Discretization(scheme="shooting"), max_points=90)

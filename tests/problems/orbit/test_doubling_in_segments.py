@@ -26,6 +26,7 @@ def growing(t, x, p, dx):
 
 
 # The first as many as the growth asks for, the second as in a run file.
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("segments", [None, 20])
 def test_a_doubled_orbit_is_never_integrated_in_one_piece(segments):
     states = ("x", "y", *(State(name, scale=1.0) for name in "zwu"))
@@ -75,6 +76,7 @@ def rossler(t, x, p, dx):
     dx[2] = 0.2 + x[2] * (x[0] - p.c)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("cuts", [[0.0, 0.17, 0.5, 0.61], [0.0, 0.25, 0.5, 0.75]])
 def test_a_doubled_orbit_is_begun_along_its_own_equations_wherever_it_is_cut(cuts):
     """The critical deviation of Rossler's cycle changes its period, that of the doubled orbit does not."""

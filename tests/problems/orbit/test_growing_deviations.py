@@ -47,6 +47,7 @@ def beside_two_circles(t, x, p, dx):
     dx[2] = p.a * x[2] - x[2] ** 3 + x[0]
 
 
+@pytest.mark.drawn(1)
 @SCHEMES
 def test_multipliers_keep_their_digits_while_they_grow(scheme, most):
     system = small_system(beside_a_circle, ("x", "y", "z"), {"a": 0.5})
@@ -62,6 +63,7 @@ def test_multipliers_keep_their_digits_while_they_grow(scheme, most):
     assert off.max() < 5e-5
 
 
+@pytest.mark.drawn(1)
 @SCHEMES
 def test_an_orbit_is_a_solution_on_the_segments_that_it_was_cut_into(scheme, most):
     system = small_system(beside_two_circles, ("x", "y", "z"), {"a": 0.5})
@@ -167,6 +169,7 @@ def test_what_grows_up_to_somewhere_counts_and_what_grows_from_somewhere_on(a):
     assert growth(there, sample.z) == pytest.approx(np.exp(2.0 * abs(a)), rel=0.05)
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("growth_of_all", [1.5, 1e3, 1e5, 1e9, 1e20])
 def test_over_each_segment_deviations_grow_by_no_more_than_allowed(growth_of_all):
     """And by more than that over fewer segments."""

@@ -50,6 +50,7 @@ def test_a_slow_state_does_not_take_the_whole_arclength():
     assert branch.points["weights"][-1, 2] == pytest.approx(0.25 * 0.75, rel=1e-2)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("b", "weights"), [(0.0, (0.025, 0.01)), (1.0, (0.01, 0.01)), (0.5, (0.02, 0.01))])
 def test_of_small_cycles_one_state_weighs_as_over_its_orbit(b, weights):
     """Cycles that are carried by ten times their size: what becomes of their size would be hidden else."""
