@@ -100,6 +100,7 @@ def test_the_curve_of_such_folds_goes_on_to_the_ends_of_the_range(fold: list[Bra
     np.testing.assert_allclose(27.0 * curve["a"] ** 2, 4.0 * curve["b"] ** 3, atol=1e-13)
 
 
+@pytest.mark.long
 def test_a_second_eigenvalue_that_is_zero_all_along_is_no_double_zero(tmp_path: Path) -> None:
     """Its sign is rounding: there were thirteen Bogdanov-Takens points, and curves that began at them."""
     text = """\
@@ -153,6 +154,7 @@ continue: {parameter: c, range: [-0.1, 0.1]}
     assert {torus.unstable_before, torus.unstable_after} == {0, 2}
 
 
+@pytest.mark.long
 def test_pitchforks_of_conserved_motions_are_followed_as_a_curve(tmp_path: Path) -> None:
     """Both multipliers of the pair are one all along: no further one passes the circle there, and derivatives
     of the condition are exact, so that steps are as long as elsewhere.

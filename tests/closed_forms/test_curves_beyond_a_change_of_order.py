@@ -135,6 +135,7 @@ def test_doublings_go_on_with_the_other_order(tmp_path):
     assert float(other["phi"].max()) == pytest.approx(0.56)
 
 
+@pytest.mark.long
 def test_curves_whose_multipliers_jump_end_there(tmp_path):
     _, found, _ = studied(tmp_path, "pushing", PUSHING, ALONG_C)
     (curve,) = curves(found)

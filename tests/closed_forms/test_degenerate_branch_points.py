@@ -93,6 +93,7 @@ def test_folds_of_coupled_brusselators_come_to_their_pitchforks() -> None:
         assert point.coefficients["e"] == pytest.approx(-0.01327866, abs=1e-8)
 
 
+@pytest.mark.long
 def test_folds_at_one_value_of_the_first_parameter_pass_branch_points() -> None:
     """The parameter's share of the tangent is rounding: biomass was told to be of the size 1e16 by it, and
     what was left of it was taken for dust: the walk went over to the branch points.

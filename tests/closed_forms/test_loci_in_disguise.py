@@ -86,6 +86,7 @@ def turning(t, x, p, dx):
     dx[1] = 1e-8 * (dv + 2.0 * u * du)
 
 
+@pytest.mark.long
 def test_folds_of_cycles_begin_at_a_generalized_hopf_point() -> None:
     """They are where mu = -nu^2 / 4."""
     system = small_system(turning, [State("x", scale=1e8), State("y", scale=1e-8)], {"p": -6e-9, "q": -1e8})
@@ -111,6 +112,7 @@ def doubled(x, p):
     return 1e8 * math.exp(to_u), 1e-8 * (to_v + to_u**2)
 
 
+@pytest.mark.long
 def test_a_map_whose_states_have_scales_of_their_own() -> None:
     """Orbits that rest between kicks are measured in declared scales, and coefficients in these too."""
     system = map_as_machine(doubled, "xy", {"p": -4e-9, "q": 0.5e8}, *SCALES)

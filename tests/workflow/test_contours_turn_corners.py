@@ -65,6 +65,7 @@ def corner_of(branch):
     return [end.parameters[name] for name in branch.info.free]
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("body", [REAL_AND_PAIR, TWO_REAL], ids=["a pair", "a real one"])
 def test_two_eigenvalues_with_one_real_part(tmp_path, body):
     """max(-a, -b) = -1 is a = 1 above b = 1, and b = 1 beyond a = 1."""

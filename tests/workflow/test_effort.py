@@ -152,6 +152,7 @@ class Killing(Reporter):
             raise KeyboardInterrupt
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("back", [1, 4])
 def test_the_same_bits_after_an_interruption(band, bounded, effort, back):
     override, output = f"diagram.effort={effort!r}", f"killed{back}.h5"
@@ -166,6 +167,7 @@ def test_a_run_does_not_go_on_with_less(band, bounded):
         computed(band, "bounded.h5", "diagram.effort=0.1", resume=True)
 
 
+@pytest.mark.long
 def test_branches_of_equilibria_have_all_their_points(tmp_path):
     (tmp_path / "fork.py").write_text(FORKS, encoding="utf-8")
     (tmp_path / "run.yaml").write_text(FORKED, encoding="utf-8")
