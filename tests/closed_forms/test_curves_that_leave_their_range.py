@@ -140,7 +140,7 @@ def test_a_curve_that_was_cut_where_it_leaves_goes_on_to_the_last_bit(tmp_path) 
             np.testing.assert_array_equal(whole.points[column], again.points[column], err_msg=column)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_curve_of_orbits_comes_back() -> None:
     """Henon's folds at alpha = -(1 + beta)^2 / 4; LPPD at its turn lies outside, and is not told."""
     x = henon_fixed_point(0.5, 0.3)

@@ -56,6 +56,7 @@ def test_branch_points_have_it_as_well(system) -> None:
     assert abs(point.parameters["nu"]) <= point.errors["nu"] < 1e-30
 
 
+@pytest.mark.long
 def test_a_crossing_at_zero_is_left_in_units_that_are_none_of_rounding(system) -> None:
     """All parameters are zero there, and kappa: what was left of them made a metric, and steps, of 1e-18."""
     problem = cw.Equilibrium(system, system.defaults() | {"mu": 0.5, "nu": -0.5}, "nu")
@@ -114,6 +115,7 @@ def apart():
     return system, cw.continue_locus(system, branch, "HB1", ranges)
 
 
+@pytest.mark.long
 def test_the_double_zero_is_come_to_from_afar(apart) -> None:
     """B = 5.6 + 2 D; the equations of a double zero are singular there, and what creeps ends beside it."""
     _, curve = apart

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hybrid_runs import diagram
 from test_loci_through_soft_transitions import FORCE, STATE, system
 
@@ -12,6 +13,7 @@ def named(branch: Branch, label: str) -> list[float]:
     return [point.parameters["omega"] for point in branch.special_points if point.label == label]
 
 
+@pytest.mark.slow
 def test_they_end_where_they_are_single_again() -> None:
     parent, doubled = diagram(
         system("soft"),

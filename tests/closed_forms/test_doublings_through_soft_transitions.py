@@ -37,7 +37,7 @@ def doublings(of: Branch) -> list[SpecialPoint]:
     return sorted((p for p in of.special_points if p.label == "PD"), key=lambda p: p.parameters["omega"])
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("which", [0, 1])
 def test_the_curve_has_the_doublings_of_branches_at_other_forces(which) -> None:
     begun = doublings(branch(FORCE))[which]

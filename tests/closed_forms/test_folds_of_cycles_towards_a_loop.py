@@ -53,6 +53,7 @@ figures: []
 """
 
 
+@pytest.mark.long
 def test_folds_end_where_they_come_to_a_loop(tmp_path):
     """They went back to where they began, told as `shrunk`; or jumped to what is no solution, `rejoined`; or
     crept to and fro, and had used up 250 points at P = 3.787 and -3.774.

@@ -76,6 +76,7 @@ def converters(b: float, i: float, until: str | None) -> list[Branch]:
     )
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("continuously", [False, True])
 def test_both_orbits_end_where_the_current_is_zero_at_the_tick(continuously) -> None:
     """The orbit that is empty for a while is stable, the other one is not; both live above the border."""

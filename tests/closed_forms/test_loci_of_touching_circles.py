@@ -42,6 +42,7 @@ def visiting() -> System:
     return machine("xy", START, {"free": circle, "beyond": pushed}, (there, back))
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("system", "mu", "x"), [(passing, 0.5, 0.7), (visiting, 1.5, 1.2)])
 def test_a_circle_that_touches(system, mu, x) -> None:
     """Where nothing changes, or a visit lasts no time, rounding tells neither folds nor doublings."""

@@ -80,6 +80,7 @@ output: out.h5
 """
 
 
+@pytest.mark.long
 def test_the_canard_of_van_der_pol_is_told_by_a_branch_that_goes_on_in_it(tmp_path):
     (tmp_path / "plugin.py").write_text(PLUGIN)
     (tmp_path / "run.yaml").write_text(RUN)

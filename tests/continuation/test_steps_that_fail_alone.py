@@ -36,7 +36,7 @@ dx[1] = x[1] * (1.0 - r * r) + x[0] * turning
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_cycle_is_followed_to_the_saddle_node_on_it(tmp_path: Path) -> None:
     """On the circle an angle turns at mu - sin(angle), with the period 2 pi / sqrt(mu^2 - 1).
 

@@ -168,7 +168,7 @@ def test_derivatives_are_those_of_coarse_steps(method: str) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-8 * np.abs(expected).max())
 
 
-@pytest.mark.drawn(3)
+@pytest.mark.drawn(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_errors_are_those_of_the_steps(method: str) -> None:

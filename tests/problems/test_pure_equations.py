@@ -163,7 +163,7 @@ def test_the_order_in_which_points_are_asked_for_changes_no_bit(name, seed):
         assert bits(opening.problem, there[number]) == known[number], number
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", ORBITS)
 def test_what_else_is_asked_changes_no_bit(name):
     opening, chance, known = ORBITS[name](), random.Random(3), alone(name)
@@ -205,7 +205,7 @@ def beside(problem: Problem, sample: Sample) -> None:
         Segment(problem, sample, end).at(0.5)
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", ORBITS)
 def test_a_process_of_its_own_finds_the_same_bits(name):
     known, count = alone(name), len(alone(name))

@@ -70,6 +70,7 @@ def walked(field, states, value, state, parameters=None, depth=1, **more):
     return made.branches
 
 
+@pytest.mark.long
 def test_three_branches_leave_where_two_transcritical_points_are_one():
     """The point was not located (a hundred points of 1e-10 around it), and nothing left it."""
     parent, *others = walked(competing, "xy", 0.0, [0.0, 0.0])

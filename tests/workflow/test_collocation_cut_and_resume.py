@@ -39,9 +39,8 @@ engine: {discretization: KIND}
 """
 
 
-@pytest.mark.parametrize(
-    ("kind", "eps"), [pytest.param("auto", 0.01, marks=pytest.mark.long), ("collocation", 0.04)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("kind", "eps"), [("auto", 0.01), ("collocation", 0.04)])
 def test_a_cut_run_ends_as_a_whole_one(tmp_path, kind, eps):
     (tmp_path / "nerve.py").write_text(PLUGIN.replace("EPS", str(eps)))
     (tmp_path / "run.yaml").write_text(RUN.replace("KIND", kind))

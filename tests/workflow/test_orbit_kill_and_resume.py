@@ -22,6 +22,7 @@ mark: {delta: [0.0045]}
 KILLS = 8
 
 
+@pytest.mark.long
 def test_killed_cascades_end_as_an_uninterrupted_one(tmp_path):
     (tmp_path / "run.yaml").write_text(RUN)
     runs = Runs(tmp_path / "run.yaml", tmp_path)

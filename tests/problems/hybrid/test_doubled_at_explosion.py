@@ -36,6 +36,7 @@ def spikes():
     return diagram(neuron, "c", (-49.8, -49.7), [-49.8, -13.0], until="settled", follow=["PD"], accuracy=1e-8)
 
 
+@pytest.mark.long
 def test_its_count_follows_from_the_criticality_of_its_point():
     parent, doubled = spikes()
     (point,) = (p for p in parent.special_points if p.label == "PD")

@@ -37,6 +37,7 @@ def rippling() -> System:
     )
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("k", "told"), [(0.05, "supercritical"), (-0.05, "subcritical"), (0.0, None)])
 def test_the_sign_of_a_coefficient_that_the_ripple_makes_small(k, told) -> None:
     branch = branch_of(rippling(), "lam", (0.5, 1.5), [5.0], {"k": k})

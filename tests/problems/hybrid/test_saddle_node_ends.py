@@ -35,7 +35,7 @@ ADAPTIVE_EXPONENTIAL = (
 )
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("machine", "value", "bounds", "peak", "limit"),
     [

@@ -1,6 +1,7 @@
 """States that a clock samples and that stand still in between: maps as machines."""
 
 import numpy as np
+import pytest
 from hybrid_runs import branch_of, machine
 
 from contwalk.system import Transition
@@ -19,6 +20,7 @@ def sampled():
     return machine(["x"], {"b": 0.5}, {"on": still}, [clock], period=lambda p: 1.0)
 
 
+@pytest.mark.long
 def test_a_fixed_point_of_a_map_runs_off_where_its_multiplier_is_one() -> None:
     branch = branch_of(sampled(), "b", (0.5, 2.0), [1.0], until="settled", direction="up", max_points=600)
     assert branch.outcome.reason == "unbounded"
