@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from small_systems import small_problem
 
 import contwalk as cw
@@ -15,6 +16,7 @@ def nerve(t, x, p, dx):
     dx[1] = 0.02 * (x[0] + 0.7 - 0.8 * x[1])
 
 
+@pytest.mark.long
 def test_orbits_further_out_are_asked_seldom_along_a_canard(monkeypatch):
     """Each is as dear as a step of the walk."""
     asked = []
