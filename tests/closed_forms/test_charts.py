@@ -88,6 +88,7 @@ def without_ranges(branch: Branch) -> dict[str, Any]:
     return {key: value for key, value in branch.info.settings.items() if key != "ranges"}
 
 
+@pytest.mark.long
 def test_both_sides_of_hopf_points() -> None:
     ranges = {"B": (0.5, 4.0), "A": (0.3, 1.6)}
     _, found = study(brusselator, "xy", {"A": 1.0, "B": 1.0}, [1.0, 1.0], ["HB1"], ranges)

@@ -141,6 +141,7 @@ continue: {parameter: W, range: [1.2, 3.0]}
     np.testing.assert_allclose(np.real(found), 1.0, atol=1e-8)  # accuracy
 
 
+@pytest.mark.long
 def test_tori_of_a_damping_that_passes_zero_are_told(tmp_path: Path) -> None:
     """There volumes are kept at one value of the parameter only: both multipliers leave the circle there."""
     text = """\

@@ -109,6 +109,7 @@ def nodding():
 PUBLISHED = {"BP1": 0.969309, "BP2": 0.986709}
 
 
+@pytest.mark.long
 def test_henon_heiles_bifurcations_of_the_orbit_on_an_axis(nodding):
     """Each where the trace is 2 or -2 by SciPy, and counted in pairs."""
     found = {point.name: point for point in bifurcations(nodding)}
@@ -141,6 +142,7 @@ def test_henon_heiles_branches_that_leave(nodding, name):
     assert branch["period"].min() == pytest.approx(rounds * point.period, rel=1e-3)
 
 
+@pytest.mark.long
 def test_henon_heiles_multipliers_along_the_branch(nodding):
     """Two are left of four: on the unit circle but for the errors of the steps, or real."""
     for row in nodding.points[::12]:

@@ -60,6 +60,7 @@ def test_pitchforks_tell_where_they_change_between_super_and_subcritical() -> No
     assert "super- and subcritical" in point.note
 
 
+@pytest.mark.long
 def test_folds_of_pitchforks_end_where_these_change() -> None:
     """A branch point that is not located was told there, and steps of 1e-50 led to it."""
     problem = small_problem(pitchforks, ["x"], {"m": 0.5, "a": 0.8}, "m")

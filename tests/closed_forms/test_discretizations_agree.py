@@ -122,7 +122,7 @@ KINDS: dict[str, Callable[[Discretization], Found]] = {
 }
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_both_find_the_same_points(kind):
     shot, collocated = (KINDS[kind](Discretization(scheme=scheme)) for scheme in ("shooting", "collocation"))

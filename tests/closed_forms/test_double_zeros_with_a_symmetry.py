@@ -50,6 +50,7 @@ def test_hopf_points_pass_the_double_zero_where_their_own_parameter_stands_still
     assert not point.coefficients  # it has a normal form of its own
 
 
+@pytest.mark.long
 def test_branch_points_have_it_as_well(system) -> None:
     curve = followed(system, "mu", "BP1", "nu")
     (point,) = labelled(curve, "BT")
@@ -82,6 +83,7 @@ def coupled(t, x, p, dx):
         dx[here + 1] = p.B * x[here] - made + p.D * (x[there + 1] - x[here + 1])
 
 
+@pytest.mark.long
 def test_both_curves_of_hopf_points_begin_where_branches_cross() -> None:
     """The states that are alike have them where the other mode has the trace B - 5.6 - 2 D = 0."""
     system = small_system(coupled, ["x", "y", "u", "v"], {"B": 4.0, "D": 1.0})

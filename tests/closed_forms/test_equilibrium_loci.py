@@ -120,6 +120,7 @@ def test_hopf_points_of_the_brusselator() -> None:
     assert found["B"].max() == 4.0
 
 
+@pytest.mark.long
 def test_the_first_lyapunov_coefficient_vanishes() -> None:
     ranges = {"mu": (-1.0, 1.0), "beta": (-1.0, 1.5)}
     found = curve(bautin, ["x", "y"], "HB", "mu", {"mu": -0.5, "beta": 1.2, "gap": 0.25}, ranges)
@@ -186,6 +187,7 @@ def test_double_hopf_points_from_both_curves(free) -> None:
     assert (c["theta"], c["delta"]) == pytest.approx((-0.5, -3.0), rel=1e-12)
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(("start", "b2"), [("LP", 0.7), ("HB", -0.7)])
 def test_bogdanov_takens_points_from_both_curves(start, b2) -> None:
     ranges = {"b1": (-1.0, 1.0), "b2": (-1.5, 1.5)}

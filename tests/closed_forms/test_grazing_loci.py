@@ -120,6 +120,7 @@ def test_folds_down_to_the_resonance() -> None:
     assert_tangency(curve)
 
 
+@pytest.mark.long
 def test_the_resonance_on_the_grazing_curve_of_the_motion_with_an_impact() -> None:
     values = vars(parameters(0.98, 0.05, 0.8, force=0.3))
     branch = diagram(SYSTEM, "force", (0.05, 0.32), [0.0, 0.0], values, until="settled")[0]

@@ -61,6 +61,7 @@ def walked(system: System, free: str, state: np.ndarray, settings: Settings) -> 
     return made.branches
 
 
+@pytest.mark.long
 def test_waves_that_rotate_and_waves_that_stand_are_born() -> None:
     rest, *waves = walked(ring(), "mu", np.zeros(6), Settings(range=(0.1, LAST)))
     points = [p for p in rest.special_points if p.label == "HB"]

@@ -60,6 +60,7 @@ def period(s: float, runs: bool) -> float:
     return slips + ahead + (s - at_last) / V
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("start", [1.0, 1.8])
 def test_where_a_block_cannot_be_held_it_goes_on_in_another_order(start) -> None:
     found: list[Branch] = diagram(

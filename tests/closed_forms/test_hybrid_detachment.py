@@ -134,6 +134,7 @@ def block_thrown_twice() -> System:
     )
 
 
+@pytest.mark.long
 def test_one_of_two_flights_ceases() -> None:
     """The smaller hump, cos 2t + 0.05 cos t at t = pi, is 0.95 high."""
     found = diagram(

@@ -57,6 +57,7 @@ def found() -> list[Branch]:
     )  # fmt: skip
 
 
+@pytest.mark.long
 def test_the_asymmetric_orbits_come_from_the_symmetric_one(found) -> None:
     (pitchfork,) = [p for p in found[0].special_points if p.label == "BP"]
     assert (pitchfork.kind, pitchfork.criticality) == ("pitchfork", "supercritical")

@@ -158,7 +158,7 @@ def stops_between() -> float:
         return float(friction)
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("start", [0.74, 0.95])
 def test_a_block_comes_to_rest_between_two_pushes(start) -> None:
     found = diagram(

@@ -165,6 +165,7 @@ def coupled(k: float) -> float:
     return quadruple(monodromy(matrix, 2.0 * math.pi))
 
 
+@pytest.mark.long
 def test_orbits_of_a_given_energy(tmp_path):
     """The oscillation in x at H = 1/2 excites the others where their frequencies, 0.4 and k^1/2, sum to 1."""
     start = "{simulate: {state: {x: 1.0, y: 0.0, z: 0.0, u: 0.0, v: 0.0, w: 0.0}, until: settled}}"

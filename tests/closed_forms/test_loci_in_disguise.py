@@ -63,6 +63,7 @@ def passed(t, x, p, dx):
     dx[1] = 1e-8 * (dv + 2.0 * u * du)
 
 
+@pytest.mark.long
 def test_folds_of_a_state_that_only_drives_the_other_pass_the_double_zero() -> None:
     """There the matrix is triangular, with 1e16 in it: in such units the eigenvalue nu was zero to errors."""
     system = small_system(passed, ["x", "y"], {"p": 0.25e-8, "q": -0.3e8})

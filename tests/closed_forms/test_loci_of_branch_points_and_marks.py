@@ -154,6 +154,7 @@ def test_zero_as_the_largest_real_part_is_the_curve_of_hopf_points() -> None:
     assert marked({"max_re": [0.0]}).info.settings["of"] == "HB"
 
 
+@pytest.mark.long
 def test_a_real_eigenvalue_at_a_value() -> None:
     ranges = {"a": (-2.0, 1.0), "b": (-3.0, 3.0)}
     found = curve(bending, "x", {"a": -1.0, "b": 1.0}, "a", [-0.6], ranges, "UZ1", {"max_re": [-1.5]})

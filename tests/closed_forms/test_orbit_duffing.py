@@ -106,6 +106,7 @@ def test_the_broken_orbit_doubles_its_period(symmetric, broken):
     assert doubled["unstable"][3] == (0 if first.criticality == "supercritical" else 1)
 
 
+@pytest.mark.long
 def test_without_the_declaration_the_same_point_is_a_pitchfork():
     problem = problem_of(duffing(symmetric=False))
     branch = cw.continue_branch(problem, START, (1.0, 2.6), direction="forward")

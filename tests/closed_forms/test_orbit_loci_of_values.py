@@ -98,6 +98,7 @@ def test_a_value_of_an_observable_of_a_machine() -> None:
     assert_at(curve, "PD", [(0.75, 0.0)])
 
 
+@pytest.mark.long
 def test_orbits_that_lose_a_symmetry() -> None:
     """Of half the cycle z comes back with its sign changed: a multiplier minus one where lam = nu^2."""
 

@@ -47,7 +47,7 @@ def assert_rows(branch, matrix, offset):
         assert true <= 10.0 * WALKED
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("name", COORDINATES)
 def test_the_cycle_in_any_coordinates(name):
     matrix, offset = COORDINATES[name]

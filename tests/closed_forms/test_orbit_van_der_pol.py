@@ -132,6 +132,7 @@ def test_a_stiff_relaxation_oscillation():
     assert mark.period == pytest.approx(large_period(1000.0), abs=1000.0 ** (-4.0 / 3.0))
 
 
+@pytest.mark.long
 def test_from_one_regime_to_the_other():
     """One branch from almost harmonic to relaxation oscillations; the period only grows."""
     system = van_der_pol(0.1)

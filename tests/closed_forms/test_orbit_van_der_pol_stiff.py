@@ -57,7 +57,7 @@ def continued(system: System, free: str, bounds: tuple[float, float]) -> Any:
     return cw.continue_branch(problem, [2.0, 0.0], range=bounds, until="settled")
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("mu", PERIODS)
 def test_orbits_that_a_simulation_settles_on(mu: float) -> None:
     branch = continued(van_der_pol(mu), "mu", (mu, 1.002 * mu))

@@ -86,6 +86,7 @@ def test_a_stored_half_is_the_whole_orbit_where_the_parameter_breaks_the_symmetr
     assert ends[0] == pytest.approx(ends[1], rel=1e-6)
 
 
+@pytest.mark.long
 def test_no_curve_is_followed_of_orbits_that_would_have_to_keep_it(tmp_path):
     written(tmp_path, force=2.0, cubic=1.0)
     over_force = "continue: {parameter: F, range: [1.0, 30.0]}\ndiagram: none\n"

@@ -131,7 +131,7 @@ def both(request):
 STEPS_OTHERWISE = ("units", "hoop")
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 def test_images_have_the_rows_that_a_walk_finds(both):
     name, (branches, notes), (walked, other_notes) = both
     assert not_walked(notes)
@@ -252,7 +252,7 @@ def test_where_an_image_does_not_satisfy_the_equations_the_walk_goes_on(monkeypa
     assert [p.name for p in branch.special_points] == [p.name for p in other.special_points]
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("name", ["lorenz", "folding"])
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_run_that_is_killed_anywhere_goes_on_to_the_same_bits(name, trusted, monkeypatch):

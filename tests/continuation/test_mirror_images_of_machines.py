@@ -47,7 +47,7 @@ def walked(name):
     return made(name, mirror_images="walked")
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_rows_are_those_that_a_walk_finds(name):
     (_, branch), notes, _ = known(name)

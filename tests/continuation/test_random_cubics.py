@@ -13,7 +13,7 @@ coefficients = st.integers(min_value=-40, max_value=40).map(lambda k: k / 16.0)
 
 
 @settings(
-    max_examples=12, deadline=None, derandomize=True, database=None, phases=[Phase.explicit, Phase.generate]
+    max_examples=6, deadline=None, derandomize=True, database=None, phases=[Phase.explicit, Phase.generate]
 )
 @given(b=coefficients, c=coefficients, d=coefficients, sign=st.sampled_from([-1.0, 1.0]))
 def test_every_fold_of_a_cubic_is_found(b, c, d, sign):
@@ -53,7 +53,7 @@ def _discriminant_terms(a, b, c, d):
 
 
 @settings(
-    max_examples=10, deadline=None, derandomize=True, database=None, phases=[Phase.explicit, Phase.generate]
+    max_examples=5, deadline=None, derandomize=True, database=None, phases=[Phase.explicit, Phase.generate]
 )
 @given(
     roots=st.lists(st.integers(min_value=-14, max_value=14), min_size=1, max_size=5, unique=True),

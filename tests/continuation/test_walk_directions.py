@@ -45,6 +45,7 @@ def test_a_branch_followed_up_and_back_gives_the_same_points():
         assert branch["x"][[0, -1]] == pytest.approx([-1.6, 1.6], rel=1e-14)
 
 
+@pytest.mark.long
 def test_both_directions_are_the_two_single_ones():
     low, high = _start(-1.6)[0], _start(1.6)[0]
     value, state = _start(0.1)

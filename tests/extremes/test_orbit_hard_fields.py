@@ -197,7 +197,7 @@ class TestNeutral:
     At m = 1e-7 a multiplier is one but for 3e-11; below, the orbit is one of a family to rounding.
     """
 
-    @pytest.mark.drawn(1)
+    @pytest.mark.long
     @pytest.mark.parametrize("preset", ["fig20", "fig21"])
     def test_a_vanishing_load_of_the_anisotropic_machine(self, preset):
         system = load_system("autobalancer", {"masses": 2, "suspension": "anisotropic"})

@@ -17,6 +17,7 @@ def cubics(t, x, p, dx):
     dx[1] = rate * x[1] + 0.8 * x[0] * x[1] ** 2 - 1.08 * x[1] ** 3
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("critical", [0.0, 0.3])
 def test_the_point_is_located_and_the_walk_goes_on(critical):
     """The walk crept up to it in steps of 1e-12 and told of an unlocated point."""

@@ -78,6 +78,7 @@ def test_two_eigenvalues_with_one_real_part(tmp_path, body):
     assert (first["b"].max(), second["a"].max()) == (5.0, 4.0)
 
 
+@pytest.mark.long
 def test_a_pair_that_becomes_two_real_ones(tmp_path):
     """From the pair at the mark to the real eigenvalue: both curves meet where the two are equal."""
     start = "parameters: {a: 0.025, b: 0.2}\nstart: {state: {x: 0.2, y: 3.0, z: 0.0}}\n"

@@ -125,6 +125,7 @@ def test_the_command_that_goes_on_ends_with_the_bits_of_a_run_without_bounds(ban
         assert "effort" not in db.notes()
 
 
+@pytest.mark.long
 def test_nothing_is_begun_where_nothing_is_left(band, whole):
     few = whole[1].cost["rhs"] / whole[0].cost["rhs"]
     branches = computed(band, "few.h5", f"diagram.effort={0.5 * few!r}").branches

@@ -106,6 +106,7 @@ class TestRestarts:
         (row,) = branch.points[branch["s"] == 0.0]
         assert row["period"] == pytest.approx(float(doubled["period"][index]), rel=WALKED)
 
+    @pytest.mark.long
     def test_along_another_parameter(self, folder):
         """From the gait of Table I, over the radius of the feet."""
         parent = first(folder)[0]

@@ -109,6 +109,7 @@ def test_the_orbits_that_a_doubled_one_comes_from_are_followed(tmp_path):
     assert [b.info.subharmonic for b in branches if b.info.closure == "full"].count(2) == 1
 
 
+@pytest.mark.long
 def test_the_impacts_that_a_pair_comes_from_are_followed(tmp_path):
     """Orbits that hit the walls unlike come from the one that hits both alike."""
     run = RUN.format(name="walls", x=0.0, v=0.0, low=2.9, high=3.6, way="forward", depth=1)

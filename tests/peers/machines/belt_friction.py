@@ -58,6 +58,7 @@ PEER = Peer(
             },
             # The orbits on either side are others: the motion jumps.
             values=(Value("OC", 2.0 * F + R, 1e-15, CLOSED_FORM, of="orbit", times=2),),
+            long=True,
         ),
     ),
 )

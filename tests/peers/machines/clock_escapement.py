@@ -54,6 +54,7 @@ PEER = Peer(
                 "mark": {"max:x": [1.2]},
             },
             values=(Value("UZ", 0.1 * 1.2 / largest(0.1), 1e-14, CLOSED_FORM, of="orbit"),),
+            long=True,
         ),
     ),
 )

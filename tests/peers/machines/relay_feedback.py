@@ -76,6 +76,7 @@ PEER = Peer(
                 "diagram": {"follow": "none", "depth": 3},
             },
             values=(Value("OC", SLIDES, 1e-15, FORTY_DIGITS, of="orbit"),),
+            long=True,
         ),
     ),
 )

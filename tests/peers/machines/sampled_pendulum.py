@@ -60,6 +60,7 @@ PEER = Peer(
                 Value("BP", 1.0, 1e-15, CLOSED_FORM, of="orbit"),
                 Value("NS", COTH, 1e-15, CLOSED_FORM, of="orbit"),
             ),
+            long=True,
         ),
         Study(
             "damping",

@@ -86,6 +86,7 @@ PEER = Peer(
                 Value("LP", 66.3054952322366, 1e-12, APEX_MAP, of="orbit"),
                 Value("PD", 68.8535987891602, 1e-12, APEX_MAP, of="orbit"),
             ),
+            long=True,
         ),
         Study(
             "at 68 degrees",

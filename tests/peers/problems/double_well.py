@@ -50,6 +50,7 @@ PEER = Peer(
                 Value("PD", 0.18797847420995004, 1e-13, COLLOCATION, of="orbit"),
                 Value("PD", 0.18932435708013984, 1e-13, COLLOCATION, of="orbit"),
             ),
+            long=True,
         ),
     ),
 )

@@ -144,7 +144,7 @@ def test_a_state_at_rest_under_sampled_control(name):
         np.testing.assert_allclose(np.poly(branch.points["spectrum"][k]), expected, rtol=0, atol=WALKED)
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("mirrored", [True, False])
 def test_a_period_doubling_of_a_state_at_rest_is_followed(mirrored):
     """The control is held over each sample: what leaves at D = coth(T / 2) swings from one to the next.

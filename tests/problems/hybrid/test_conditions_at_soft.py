@@ -79,7 +79,7 @@ def test_a_condition_at_a_soft_transition_is_watched(tmp_path, more):
     assert told == []
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("more", ["", STOP], ids=["soft only", "with a stop"])
 def test_a_condition_at_a_soft_transition_that_jumps_is_told(tmp_path, more):
     branch, (told,) = study(tmp_path, condition("1.0 if p.force < 1.2 else -1.0"), more)

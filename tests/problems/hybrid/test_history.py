@@ -52,7 +52,7 @@ def notes(system: System, k: float) -> list[str]:
     return [event.text for event in made.events() if isinstance(event, Noted) and "jump" in event.text]
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("made", [smooth, eventful])
 @pytest.mark.parametrize(("first", "then"), [(0.0, 0.5), (0.5, 0.0)])
 def test_kinks_are_told_in_the_order_that_they_have(made, first: float, then: float) -> None:

@@ -68,7 +68,7 @@ class TestClocks:
         assert point.unstable_before == point.unstable_after == 0
         assert point.criticality is None
 
-    @pytest.mark.drawn(2)
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize(("clock", "kind"), CLOCKS)
     def test_orbits_in_the_other_order_leave(self, clock, kind):
         first, other = self.study(clock)[:2]

@@ -92,7 +92,7 @@ def test_half_of_it_is_integrated(travels):
     assert parent.points["spectrum"].shape[1] == 2
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("travels", [False, True])
 def test_symmetry_breaking_and_doubling_are_those_of_the_smooth_orbit(travels):
     for label in ("BP", "PD"):

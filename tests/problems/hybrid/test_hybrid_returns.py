@@ -95,6 +95,7 @@ CHAOS = machine(
 )
 
 
+@pytest.mark.long
 def test_an_irregular_motion_that_comes_near_to_where_it_was_has_not_settled(monkeypatch):
     # Among 1400 values in an interval, each with the 64 before it, some pairs are nearer than 1e-5.
     monkeypatch.setattr(recurrence, "MOST_STEPS", 50_000)

@@ -170,6 +170,7 @@ class TestThroughTheFirstContact:
 class TestDeclaredHard:
     """The first contact is a grazing then, and nothing else; beyond it the other orbits follow."""
 
+    @pytest.mark.drawn(1)
     def test_the_contact_is_grazed_where_it_begins(self, force, signatures, kind):
         first, second = declared_hard(force)
         assert [first.info.signature, second.info.signature] == signatures

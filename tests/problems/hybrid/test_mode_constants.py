@@ -81,6 +81,7 @@ def branches(shared: bool) -> list[Branch]:
     return diagram(machine(shared), "force", (0.3, 0.5), [0.0, 0.0, 0.0], **start)
 
 
+@pytest.mark.long
 def test_their_orbits_are_those_of_modes_with_fields_of_their_own():
     one, two = ([point for b in branches(shared) for point in b.special_points] for shared in (True, False))
     assert [point.label for point in one] == [point.label for point in two]

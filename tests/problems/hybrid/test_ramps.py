@@ -54,7 +54,7 @@ def branch(folder, guard, most=0.6, **given):
     return cw.run(study, figures=False).branches[0]
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("guard", "what"),
     [

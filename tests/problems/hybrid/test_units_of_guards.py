@@ -41,7 +41,7 @@ def study(folder, unit):
     return cw.run(run, figures=False, force=True).branches[0]
 
 
-@pytest.mark.drawn(1)
+@pytest.mark.long
 @pytest.mark.parametrize("unit", ["1e-300", "1e-200", "1e-12", "1e200", "1e300"])
 def test_special_points_and_their_errors_are_those_in_units_of_one(tmp_path, unit):
     known, found = study(tmp_path, "1.0"), study(tmp_path, unit)

@@ -70,6 +70,7 @@ def takens_in_the_plane(t, x, p, dx):
     dx[1] = x[0] - x[0] ** 2 + p.b * x[1] + p.c * x[0] * x[1]
 
 
+@pytest.mark.long
 def test_a_curve_in_two_parameters_tells_the_limit_in_both():
     """It was told along the line through its last two orbits: `path = 1.075 +- 2.4e+09`."""
     problem = small_problem(takens_in_the_plane, "xy", {"b": -0.48, "c": 0.48}, "b")

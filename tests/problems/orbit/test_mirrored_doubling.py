@@ -48,6 +48,7 @@ def mirrored(t, x, p, image):
     image[0], image[1] = -x[0], -x[1]
 
 
+@pytest.mark.long
 def test_a_forced_one_loses_its_mirror_at_a_symmetry_breaking_point():
     """A pendulum whose pivot shakes: the hanging state doubles, theta(t + T) = -theta(t) on what is born."""
     mirror = Symmetry("mirror", "spatial", mirrored)
