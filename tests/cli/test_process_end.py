@@ -43,6 +43,7 @@ output: leaving.h5
 """
 
 
+@pytest.mark.drawn
 @pytest.mark.parametrize("jobs", ["1", "2"])
 @pytest.mark.parametrize(("level", "where"), [(1.2, "Forward: "), (0.9, "The start fails: ")])
 def test_a_plugin_that_ends_the_process_fails_its_branch(folder, jobs, level, where):

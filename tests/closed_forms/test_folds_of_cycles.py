@@ -17,6 +17,7 @@ def cycles(t, x, p, dx):
     dx[1] = turn * x[0] + growth * x[1]
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("twist", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-8])
 def test_the_fold_is_found_to_the_accuracy_asked(twist, accuracy):

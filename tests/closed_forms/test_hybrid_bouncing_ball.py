@@ -134,6 +134,7 @@ class TestStudy:
         size = np.abs(branch.points["spectrum"][:, 0]) + 1.0
         assert np.all(np.abs(branch["v"] / (-0.5 * G * duration(k)) - 1.0) <= WALKED * size)
 
+    @pytest.mark.drawn(2)
     def test_invariants(self, e, k):
         for branch in study(e, k):
             check_hybrid_branch(branch, SYSTEM)

@@ -11,6 +11,7 @@ import contwalk as cw
 from contwalk.system import Neutral, State, Symmetry
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("cubic", [-1.0, 1.0, -250.0])
 @pytest.mark.parametrize("extra", [None, -3.0, 2.0])
 def test_both_signs_with_an_extra_direction(cubic, extra):

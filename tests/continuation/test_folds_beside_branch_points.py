@@ -20,6 +20,7 @@ def fold_and_pitchfork(apart, sign, mixed):
     return field
 
 
+@pytest.mark.drawn(4)
 @pytest.mark.parametrize("mixed", [False, True], ids=["plain", "turned"])
 @pytest.mark.parametrize("sign", [1.0, -1.0], ids=["one each way", "both"])
 @pytest.mark.parametrize("apart", [1e-6, 1e-7, 1e-8])

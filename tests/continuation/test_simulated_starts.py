@@ -29,6 +29,7 @@ def node_at_zero(t, x, p, dx):
 CASES = [(brusselator, [1.3, 1.2], "HB", 2.0), (node_at_zero, [0.7, -0.4], "BP", 2.0)]
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize(("field", "start", "label", "expected"), CASES)
 @pytest.mark.parametrize("until", ["settled", 30.0])
 def test_a_simulation_that_comes_to_rest_starts_the_equilibria(field, start, label, expected, until):

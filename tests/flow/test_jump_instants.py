@@ -91,6 +91,7 @@ GLIMPSED = np.arccos(1.0 - 1e-9) / (2.0 * np.pi)
 every = np.arange(PERIODS + 1)
 
 
+@pytest.mark.drawn(8)
 @pytest.mark.parametrize(
     ("guard", "direction", "phases"),
     [

@@ -42,6 +42,7 @@ def ended(folder, plugin, start, low, high=0.6):
     return cw.run(run, figures=False).branches[0]
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("low", [0.1, 0.3])
 @pytest.mark.parametrize("term", ["math.sqrt(p.a - 0.3)", "10 * math.sqrt(p.a - 0.3)", "(p.a - 0.3)**0.1"])
 def test_equilibria_end_at_the_edge_with_the_line(tmp_path, term, low):
@@ -59,6 +60,7 @@ def test_equilibria_that_do_grow_without_bound_there_are_told_so(tmp_path):
     assert branch.outcome.reason == "unbounded"
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("power", [0.5, 0.2, 0.1])
 def test_orbits_do_not_pile_up_before_the_edge(tmp_path, power):
     plugin = BOUNCING.format(term=f"(p.a - 0.3)**{power}")

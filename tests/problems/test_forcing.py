@@ -51,6 +51,7 @@ def outcome(folder, period, events, start, value):
     return branch
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(("events", "start"), CASES)
 @pytest.mark.parametrize(
     ("period", "line", "value"),

@@ -51,6 +51,7 @@ def pinned(system, parameters, range):
     return opening.problem
 
 
+@pytest.mark.drawn(4)
 @pytest.mark.parametrize(("label", "delta", "value"), LEADING, ids=lambda v: str(v)[:16])
 def test_leading_real_part_without_the_neutral_zero(system, label, delta, value):
     load, angle = (part.split("=")[1] for part in label.split(","))

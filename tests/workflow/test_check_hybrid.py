@@ -189,6 +189,7 @@ MISTAKES = {
 }  # fmt: skip
 
 
+@pytest.mark.drawn(9)
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_is_told_with_its_line(tmp_path, mistake):
     old, new, level, what, sentence, on_line = MISTAKES[mistake]

@@ -60,6 +60,7 @@ def test_sound_machines_pass(name, wrong):
     assert load_system(path).name == name
 
 
+@pytest.mark.drawn(64)
 @pytest.mark.parametrize("name", WRONG)
 def test_wrong_machine_is_told_with_its_line(name, wrong):
     case = WRONG[name]

@@ -61,6 +61,7 @@ OTHERS = {
 NO_LINE = ("SYSTEM", "interrupt", "no words", "null bytes")  # the file is said, or nothing is wrong with it
 
 
+@pytest.mark.drawn(80)
 @pytest.mark.parametrize("name", HOSTILE)
 def test_wrong_plugin_is_told_with_its_line(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

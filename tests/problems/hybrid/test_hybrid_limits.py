@@ -49,7 +49,7 @@ class TestClocks:
             )
         )
 
-    @pytest.mark.drawn(2)
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize(("clock", "kind"), CLOCKS)
     def test_place_and_kind(self, clock, kind):
         """Where `second` is at 0.4; a corner where the branch's slopes on both sides differ."""
@@ -192,7 +192,7 @@ class TestImpactOscillator:
             assert row["observables"][names.index("bottom")] == pytest.approx(expected, abs=1e-6)
         check_hybrid_branch(branch, with_watched(bottom))
 
-    @pytest.mark.drawn(2)
+    @pytest.mark.drawn(1)
     @pytest.mark.parametrize("side", ["before", "after"])
     @pytest.mark.parametrize("policy", ["stop", "ignore"])
     def test_a_condition_at_an_event(self, side, policy):

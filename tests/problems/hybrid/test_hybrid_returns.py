@@ -30,6 +30,7 @@ BALL = machine(
 )
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("until", ["settled", 1.0])
 @pytest.mark.parametrize("e", [0.5, 0.9, 0.97])
 def test_a_motion_whose_impacts_accumulate_has_no_orbit(e, until):
@@ -62,6 +63,7 @@ CLOCK = machine(
 )
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("until", ["settled", 1500.0])
 def test_a_motion_that_takes_more_than_a_thousand_events_to_settle_is_found(until):
     # y misses 1 by rate^n: its change in one lap is below 1e-5 of its range (1/2) after 1380 of them.

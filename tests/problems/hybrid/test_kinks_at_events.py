@@ -29,7 +29,7 @@ def study(folder, guard=GUARD, speed=SPEED):
     return branch, branch["load"][-1], notes
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("given", "of", "what"),
     [

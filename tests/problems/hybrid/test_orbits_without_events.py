@@ -77,7 +77,7 @@ def walked(
     return made.branches
 
 
-@pytest.mark.drawn(2)
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("segments", [1, 2, 5])
 def test_multipliers_are_the_same_on_any_number_of_segments(segments: int) -> None:
     (branch,) = walked(
@@ -130,7 +130,7 @@ def test_multipliers_where_a_cycle_is_born() -> None:
         assert sorted(found.real)[1] == pytest.approx(math.exp(-2.0 * mu * T), abs=1e-4) or mu > 0.15
 
 
-@pytest.mark.drawn(4)
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("until", [None, "settled"])
 @pytest.mark.parametrize("rest", [0.0, 1.0, 1e-300, 1e5])
 def test_states_that_stay_where_they_are_exactly(rest: float, until: str | None) -> None:

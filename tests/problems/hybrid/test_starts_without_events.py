@@ -95,6 +95,7 @@ def _written(words):
     return plugin
 
 
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("k", [1e5, 1e7, 1e9])
 def test_a_stiff_machine_starts_from_a_simulation(tmp_path, k):
     run = (

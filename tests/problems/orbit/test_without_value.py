@@ -50,6 +50,7 @@ def branch_of(folder, plugin, wrong):
     return result.branches[0], 1 + source[: source.index(wrong)].count("\n")
 
 
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("plugin", [AUTONOMOUS, FORCED], ids=["autonomous", "forced"])
 @pytest.mark.parametrize("wrong", ["1e-3 * math.sqrt(1.1 - p.mu) * x[1]", "1e-9 * math.sqrt(1.1 - p.mu)"])
 def test_the_line_is_told_where_the_parameter_leaves_the_domain(tmp_path, plugin, wrong):
