@@ -55,13 +55,11 @@ def canards():
     return branch_of(oscillator(), "w", (0.5, 1.99), [1.5, 0.0], mode="free", until="settled")
 
 
-@pytest.mark.long
 def test_canards_are_followed_to_the_end_of_the_range(canards):
     assert canards.outcome.reason == "bound", canards.outcome.message
     assert [point.label for point in canards.special_points] == ["EP", "PD", "EP"]
 
 
-@pytest.mark.long
 def test_their_multipliers_follow_liouvilles_formula(canards):
     """From 1e-5 to 1e25."""
     moduli = np.abs(canards.points["spectrum"][:, 0])

@@ -184,7 +184,7 @@ def test_extremes_are_exchanged(both):
     assert branch[there][s < 0.0][::-1] == pytest.approx(sign * ahead, rel=1e-5)
 
 
-@pytest.mark.long
+@pytest.mark.drawn(1)
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_run_that_is_killed_goes_on_to_the_same_bits(trusted, monkeypatch):
     if not trusted:
