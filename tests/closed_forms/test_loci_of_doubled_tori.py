@@ -54,6 +54,7 @@ def resonant():
     )
 
 
+@pytest.mark.long
 def test_every_curve_of_the_resonance_is_found(tmp_path):
     _, branches, _ = studied(tmp_path, "resonant", PLUGIN, RUN)
     curves = {

@@ -152,7 +152,7 @@ def test_they_are_orbits_of_each_kind():
     assert words == {1, 3}  # the spring is reached on some of the orbits, on others not
 
 
-@pytest.mark.drawn
+@pytest.mark.drawn(2)
 @pytest.mark.parametrize("name", ORBITS)
 @pytest.mark.parametrize("seed", [1, 2])
 def test_the_order_in_which_points_are_asked_for_changes_no_bit(name, seed):

@@ -94,7 +94,7 @@ def test_region_1_is_unstable_for_all_angles(system):
     assert 0 in set(above["unstable"])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_regions_of_fig_25_inside_curves_of_hopf_points():
     """Regions 2 and 3 are images of one another: the same loads, each closed; 1 is below a curve."""
     curves = [b for b in figure_run("three_masses_stability_chart") if b.info.settings.get("of") == "HB"]

@@ -35,14 +35,20 @@ ADAPTIVE_EXPONENTIAL = (
 )
 
 
-@pytest.mark.drawn(1)
 @pytest.mark.parametrize(
     ("machine", "value", "bounds", "peak", "limit"),
     [
         (QUADRATIC, 0.1, (-0.5, 0.2), 5.0, 0.0),
-        (ADAPTING, 0.1, (-0.5, 0.2), 5.0, 0.0225),
-        (EXPONENTIAL, 1.5, (-1.0, 1.6), -30.0, 1.3),
-        (ADAPTIVE_EXPONENTIAL, 235.0, (50.0, 240.0), -30.0, 240.0 + 24.0 * math.log(1.2) - 24.0),
+        pytest.param(ADAPTING, 0.1, (-0.5, 0.2), 5.0, 0.0225, marks=pytest.mark.long),
+        pytest.param(EXPONENTIAL, 1.5, (-1.0, 1.6), -30.0, 1.3, marks=pytest.mark.long),
+        pytest.param(
+            ADAPTIVE_EXPONENTIAL,
+            235.0,
+            (50.0, 240.0),
+            -30.0,
+            240.0 + 24.0 * math.log(1.2) - 24.0,
+            marks=pytest.mark.long,
+        ),
     ],
     ids=["quadratic", "fast adaptation", "exponential", "adaptive exponential"],
 )
