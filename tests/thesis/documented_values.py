@@ -102,7 +102,7 @@ DOCUMENTED: dict[str, list[Told]] = {
             ("0.0531353", "0.0176218"),
             ("0.0956766", "0.0013566"),
         ),
-        *_pairs("GRD", ("alpha", "i2"), ("0.039561", "0.02339")),
+        *_pairs("GRGR", ("alpha", "i2"), ("0.0395613", "0.0233948")),
     ],
     "walker3d_overlap_inclination": [
         *_each("LP", "alpha", "0.1123335", "0.0641916"),
