@@ -132,7 +132,7 @@ DOCUMENTED: dict[str, list[Told]] = {
     ],
     "walker3d_no_overlap_ground_stiffness": [
         *_each("NS", "k_y", "12793.26", "15156.42"),
-        *_each("BP", "k_y", "15852.62"),
+        *_each("GR", "k_y", "15302.169"),
     ],
     "walker3d_no_overlap_ground_damping": [
         *_each("NS", "c_y", "733.764"),
