@@ -57,7 +57,9 @@ def told(own: Equations) -> list:
     values = [getattr(own, name)(*inputs).tolist() for name in NAMES]
     values.append(own.along(2)(*inputs, [1.0, 0.5, 0.25], [0.5, 1.0, 0.125]).tolist())
     values.append(own.jacobian_of_first(*inputs, [1.0, 0.5, 0.25]).tolist())
-    values += [kernel(*inputs).tolist() for kernel in own.of_observable(lambda t, x, p: p.a * x[0, 1] ** 2)]
+    values += [
+        kernel(*inputs).tolist() for kernel in own.of_function(lambda t, x, p: p.a * x[0, 1] ** 2, along=True)
+    ]
     with mpmath.workdps(40):
         exact = own.linearization.exactly(*[[mpmath.mpf(v) for v in group] for group in inputs])
         values.append([mpmath.nstr(value, 35) for value in exact])

@@ -19,6 +19,6 @@ def test_the_time_is_zero():
     z = np.array([2.0, 2.0])
     sample = problem.examine(z, np.array([1.0, 1.0]), np.ones(2), problem.linearize(z), None)
     assert sample.observables[problem.observable_names.index("late")] == 2.0
-    value, gradient = problem.kernels.of_observable(late.function)
+    value, gradient = problem.kernels.of_function(late.function, along=True)
     assert value(*problem.inputs(z)).tolist() == [2.0]
     assert gradient(*problem.inputs(z)).ravel().tolist() == [1.0, 0.0]

@@ -25,7 +25,7 @@ def test_a_short_file_is_filled_with_defaults(tmp_path):
     assert (run.free, run.range, run.direction, run.max_points) == ("stiffness", (1.0, 3.0), "both", 1000)
     assert run.follow == {"BP", "HB", "PD"}
     assert run.depth == 5
-    assert run.events == {"GR": "stop", "OC": "switch", "AZ": "ignore"}
+    assert run.events == {"GR": "stop", "OC": "switch", "AZ": "ignore", "BE": "stop"}
     assert run.output == Path("run.h5")
     assert (run.marks, run.figures, run.sweep, run.report_at, run.engine) == ((), (), None, None, {})
     assert run.text == GOOD
@@ -79,9 +79,9 @@ engine: {step: 0.01, max_step: 0.1, newton_iterations: 8}
     assert stored.point == "b1/HB1"
     assert stored.given == {"damping": 0.25, "load": 2.5}
     assert (run.direction, run.max_points, run.stop_at) == ("forward", 50, {"swing": (2.0,)})
-    assert run.follow == {"LP", "BP", "HB", "PD", "NS", "GR", "OC", "AZ"}
+    assert run.follow == {"LP", "BP", "HB", "PD", "NS", "GR", "OC", "AZ", "BE"}
     assert run.marks == (Mark("stiffness", (1.5,)), Mark("max_re", (0.0,), extremum=True))
-    assert run.events == {"GR": "switch", "OC": "switch", "AZ": "stop"}
+    assert run.events == {"GR": "switch", "OC": "switch", "AZ": "stop", "BE": "stop"}
     assert run.report_at == ReportAt(event="touch_down", side="after")
     assert run.output == Path("there.h5")
     assert run.figures == (
@@ -149,7 +149,7 @@ def test_follow_can_be_one_word(tmp_path):
     assert read(tmp_path, GOOD + "diagram: none\n").follow == frozenset()
     assert read(tmp_path, GOOD + "diagram: {follow: none}\n").follow == frozenset()
     assert read(tmp_path, GOOD + "diagram: {follow: HB}\n").follow == {"HB"}
-    assert len(read(tmp_path, GOOD + "diagram: all\n").follow) == 8
+    assert len(read(tmp_path, GOOD + "diagram: all\n").follow) == 9
 
 
 def test_a_section_to_report_at(tmp_path):
