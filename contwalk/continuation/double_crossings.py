@@ -190,6 +190,9 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
     certain = (np.abs(ma) > a.errors) & (np.abs(mb) > b.errors)
     for which in np.flatnonzero(certain & (np.sign(ma) == np.sign(mb))).tolist():
         sign = float(np.sign(ma[which]))
+        ends = a.eigenvalues[which], b.eigenvalues[which]
+        if ends[0].imag == ends[1].imag == 0.0 and ends[0].real * ends[1].real < 0.0:
+            continue  # it passes both 1 and -1, or zero: see `_between_one_and_minus_one`
         # Towards zero at the one end, away from it at the other: an extremum lies between. A rate has a
         # price, so the end is asked first at which it is less likely; and a comparison with one that is not
         # known is false.
@@ -199,8 +202,8 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
         if not all(sample.rates[which] * way > 0.0 for sample, way in asked):
             continue
         da, db = a.rates[which] * length, b.rates[which] * length
-        ends = float(ma[which]), float(mb[which]), da, db, sign
-        lowest = min(_cubic_extremum(*ends), _corner(*ends))
+        curve = float(ma[which]), float(mb[which]), da, db, sign
+        lowest = min(_cubic_extremum(*curve), _corner(*curve))
         if lowest < NEAR_ZERO * min(abs(ma[which]), abs(mb[which])):
             yield which
 

@@ -19,10 +19,8 @@ from autobalancer_figures import (
 pytestmark = pytest.mark.thesis
 
 FIG_6, FIG_7 = EQUILIBRIA["omega_c0.7"], EQUILIBRIA["omega_c0.1"]
-STUDIES = [
-    ("autobalancer_omega", FIG_6),
-    pytest.param("autobalancer_omega_light_damping", FIG_7, marks=pytest.mark.long),
-]
+LIGHT = "autobalancer_omega_light_damping"
+STUDIES = [("autobalancer_omega", FIG_6), pytest.param(LIGHT, FIG_7, marks=pytest.mark.long)]
 SPEEDS = [float(row[0]) for row in FIG_6["max_re"]]
 MARKED = (f"mark={{omega: {SPEEDS}}}", "continue.range=[0.2, 6.5]")
 
@@ -69,13 +67,21 @@ def test_balanced_becomes_stable_at_its_hopf_point_and_stays_so(name, study):
     assert border > float(EQUILIBRIA["natural_frequency"])
 
 
+def border_of(name: str) -> float:
+    return float(figure_run(name)[0].special("HB1").parameters["omega"])
+
+
 def test_natural_frequency_is_not_the_border_of_stability():
     (balanced,) = start_named(figure_run("autobalancer_omega"), "balanced")
     p = balanced.info.parameters
     natural = math.sqrt(p["k"] / (p["M"] + p["m"] + 2 * p["m1"]))
     assert_digits(natural, EQUILIBRIA["natural_frequency"])
-    borders = [figure_run(name)[0].special("HB1").parameters["omega"] for name, _ in STUDIES]
-    assert natural < borders[0] < borders[1]
+    assert natural < border_of("autobalancer_omega")
+
+
+@pytest.mark.long
+def test_less_damping_moves_the_border_away():
+    assert border_of("autobalancer_omega") < border_of(LIGHT)
 
 
 def test_unstable_counts_of_types_2_to_4():

@@ -21,6 +21,8 @@ _WORDS_OF_YAML = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 _EVENTS = "# events: {GR: stop, OC: switch, AZ: ignore, BE: stop}   # stop, ignore or switch\n"
 _REST = """\
 # The keys below are optional; what stands behind the # is an example or the default.
+# author: NAME   # who stands behind the study: kept in the database
+# description: TEXT   # what it is of: kept in the database
 # preset: {preset}   # a named parameter set of the system; `parameters` go on top of it
 # path: {{from: {{{example}: {low}}}, to: {{{example}: {high}}}}}   # instead of a parameter and its range
 diagram: {{follow: [BP, HB, PD], depth: 5}}   # labels of {labels}; all, or none
