@@ -146,6 +146,8 @@ def imaged(
         image = entry.image(mirror, last)
         if image is None:
             return "the images do not satisfy the equations"
+        if image["admissible"][0] != entry.row["admissible"][0]:
+            return "what limits the machine is not alike on both"
         point = None
         if entry.point is not None:
             point = mirror.special_point(entry.point, entry.row[0], last[0])

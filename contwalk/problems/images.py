@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import called
+from contwalk.problems.problem import Problem, Test
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
 
@@ -77,6 +78,12 @@ def products(system: System, x: np.ndarray, p: ParameterValues) -> Iterator[Prod
             new = all(not np.allclose(further, other, rtol=1e-10, atol=1e-12) for _, other in found)
             if new and len(found) < MOST_IMAGES:
                 found.append((product.then(symmetry), further))
+
+
+def refused_limit(problem: Problem, point: SpecialPoint) -> str:
+    """Why the image of a special point is not one itself, as of limits: what is met there has a name."""
+    limits = {kind.label for kind in problem.point_types if kind.test is Test.MARGIN}
+    return f"a limit ({point.label}) has to be located" if point.label in limits else ""
 
 
 def row_of_image(

@@ -1,4 +1,4 @@
-"""Whether an equilibrium or a smooth orbit of a machine with events passes one of them, soft ones too."""
+"""Whether a smooth orbit of a machine with events passes one of them, soft ones too."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def passed_over(system: System, t: np.ndarray, x: np.ndarray, parameters: Mappin
     Parameters
     ----------
     t, x : ndarray, shapes (k,) and (k, n)
-        Instants of the motion; one of an equilibrium.
+        Instants of the motion, and its states there.
     """
     if not system.has_events:
         return False

@@ -20,7 +20,7 @@ system: ./machine.py
 start: {state: STATE, parameters: {F: BEGIN}}
 continue: {parameter: F, range: RANGE}
 events: {BE: ACTION}
-diagram: {follow: none}
+diagram: {follow: FOLLOWED}
 output: machine.h5
 """
 STIFF = 50.0
@@ -76,11 +76,18 @@ FOLD = soft("    dx[0] = p.F - x[0]", "    dx[0] = p.F + x[0]", "x[0]")
 
 @pytest.fixture
 def study(tmp_path) -> Callable[..., list[Branch]]:
-    def run(plugin: str, state: str, begin: float, range_: str, action: str) -> list[Branch]:
+    def run(
+        plugin: str, state: str, begin: float, range_: str, action: str, followed: str = "none"
+    ) -> list[Branch]:
         (tmp_path / "machine.py").write_text(plugin, encoding="utf-8")
         text = RUN.replace("STATE", state).replace("BEGIN", str(begin)).replace("RANGE", range_)
+        text = text.replace("FOLLOWED", followed)
         (tmp_path / "machine.yaml").write_text(text.replace("ACTION", action), encoding="utf-8")
-        result = cw.run(cw.read_run_file(tmp_path / "machine.yaml", [], None), figures=False, force=True)
+        result = cw.run(
+            cw.read_run_file(tmp_path / "machine.yaml", [], str(tmp_path / "machine.h5")),
+            figures=False,
+            force=True,
+        )
         return list(result.branches)
 
     return run
@@ -157,3 +164,38 @@ def test_between_two_fields_that_jump(study, other, kind):
     assert (point.kind, point.parameters["F"]) == (kind, pytest.approx(0.0, abs=1e-15))
     assert rest == []
     assert "No mode of the plugin" in above.outcome.message
+
+
+BUCKLED = f"""{HEAD}from contwalk.system import Symmetry
+
+def free(t, x, p, dx):
+    dx[0], dx[1] = x[1], p.F * x[0] - x[0] ** 3 - 0.2 * x[1]
+
+def wall(t, x, p):
+    return SIDE * x[0] + 1.0
+
+def bounce(t, x, p, after):
+    after[0], after[1] = x[0], -0.5 * x[1]
+
+def flip(t, x, p, out):
+    out[0], out[1] = -x[0], -x[1]
+
+SYSTEM = System(name="machine", states=(State("x"), State("v")), parameters=(Parameter("F", -1.0),),
+    modes=(Mode("free", free),), symmetries=(Symmetry("flip", "spatial", flip),),
+    transitions=(Transition("hit", "free", "free", wall, "falling", reset=bounce),))
+"""
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("action", ["stop", "ignore"])
+def test_a_wall_on_one_side_is_met_on_one_half_alone(study, side, action):
+    """The field is odd, and both halves x = -+sqrt(F) are images of each other; the wall is at -side."""
+    plugin = BUCKLED.replace("SIDE", str(side))
+    _, halves = study(plugin, "{x: 0.0, v: 0.0}", -1.0, "[-1, 3]", action, "[BP]")
+    point = the_point(halves)
+    assert (point.kind, point.state["x"]) == ("rest", pytest.approx(-side, abs=1e-15))
+    here, there = (halves["F"][halves["x"] * side * sign < 0.0].max() for sign in (1.0, -1.0))
+    assert (here, there) == ((1.0 if action == "stop" else 3.0), 3.0)
+    beyond = halves["x"] * side < -1.0 - 1e-9
+    assert halves.points["admissible"][~beyond].all()
+    assert not halves.points["admissible"][beyond].any()

@@ -18,9 +18,9 @@ from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import nearest_eigenpair, unit_in
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import critical_vectors
-from contwalk.problems.images import Product, imaged, point_of_image, products, row_of_image
-from contwalk.problems.passed_over import passed_over
+from contwalk.problems.images import Product, imaged, point_of_image, products, refused_limit, row_of_image
 from contwalk.problems.problem import Sample
+from contwalk.problems.sample import NO_MARGIN
 from contwalk.system.declarations import ParameterValues
 
 # In the metric, a state that is kept comes back this exactly, and a tangent that is reversed.
@@ -96,8 +96,8 @@ class Mirror:
         return self._product.names
 
     def refuses(self, point: SpecialPoint) -> str:
-        """Why the image of a special point has to be located itself; empty, as it has not."""
-        return ""
+        """Why the image of a special point has to be located itself: guards need not be images."""
+        return refused_limit(self._problem, point)
 
     def image(self, z: np.ndarray) -> np.ndarray:
         """Image of a solution, shape (N + 1,)."""
@@ -127,7 +127,7 @@ class Mirror:
         if not residual <= max(SOLVED, 2.0 * float(row["residual"])):
             return None
         tangent = -(derivative @ row["tangent"])
-        states, parameters = there[None, : problem.states], problem.values_of(there)
+        limited = problem.limited
         return row_of_image(
             row,
             there,
@@ -135,7 +135,7 @@ class Mirror:
             weights,
             state=there[: problem.states],
             observables=[*problem.measured(there), row["observables"][-1]],
-            admissible=not passed_over(problem.system, np.zeros(1), states, parameters),
+            admissible=limited is None or bool(np.all(limited.margins(there, weights) >= -NO_MARGIN)),
             residual=residual,
             rhs=problem.evaluations - spent,
             seconds=time.perf_counter() - began,

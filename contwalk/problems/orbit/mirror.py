@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.images import Product, point_of_image, products, row_of_image
+from contwalk.problems.images import Product, point_of_image, products, refused_limit, row_of_image
 from contwalk.problems.orbit import monodromy, normal_forms
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.image import Beginning, OrbitImage
@@ -24,7 +24,6 @@ from contwalk.problems.orbit.itinerary import Leg, has_image, image_of
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.observing import measured_along
 from contwalk.problems.orbit.orbit_section import section_through
-from contwalk.problems.orbit.protocol import Test
 from contwalk.problems.orbit.shooting import velocity
 from contwalk.problems.orbit.stored_discretizations import StoredDiscretizations, vectors_of
 from contwalk.problems.passed_over import passed_over
@@ -121,8 +120,7 @@ class OrbitMirror:
 
     def refuses(self, point: SpecialPoint) -> str:
         """Why the image of a special point has to be located itself: limits are told by names of events."""
-        limits = {kind.label for kind in self._problem.point_types if kind.test is Test.MARGIN}
-        return f"a limit ({point.label}) has to be located" if point.label in limits else ""
+        return refused_limit(self._problem, point)
 
     # -- whether it is one -------------------------------------------------------------------------------
 
