@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from contwalk.continuation.halving import NEAR_ZERO, Placed, looked_for
 from contwalk.continuation.segment import Segment
+from contwalk.numerics import cubic
 from contwalk.problems.problem import Sample
 
 # Displacement along the branch, in the metric, for the rate of a margin: the root of what it is known to.
 BESIDE = 1e-4
-# A dip is looked at when it comes this much nearer to zero than the ends; a half is 16 times as well known.
-NEAR_ZERO, HALVINGS = 0.5, 6
 
 
 def dips(segment: Segment, rounded: float) -> Iterator[float]:
@@ -31,41 +31,35 @@ def dips(segment: Segment, rounded: float) -> Iterator[float]:
     with np.errstate(invalid="ignore"):
         near = (a * b > 0.0) & (np.minimum(np.abs(a), np.abs(b)) < segment.length)
     for which in np.flatnonzero(near).tolist():
-        place = _dip(segment, which, (0.0, segment.a), (1.0, segment.b), rounded)
+        place = next(_passing(segment, which, float(np.sign(a[which])), rounded), None)
         if place is not None:
             yield place
 
 
-def _dip(
-    segment: Segment,
-    which: int,
-    low: tuple[float, Sample],
-    high: tuple[float, Sample],
-    rounded: float,
-    halvings: int = HALVINGS,
-) -> float | None:
-    """Where between two solutions a margin of one sign at both has the other one."""
-    (begin, a), (end, b) = low, high
-    ma, mb = float(a.margins[which]), float(b.margins[which])
-    if halvings == 0 or not ma * mb > 0.0:
-        return None
-    length, sign = (end - begin) * segment.length, np.sign(ma)
-    da = length * _rate(segment, a, which)
-    if not sign * da < 0.0:
-        return None
-    db = length * _rate(segment, b, which)
-    if not sign * db > 0.0:
-        return None
-    place = _lowest(sign * ma, sign * mb, sign * da, sign * db)
-    if place is None:
-        return None
-    theta = begin + place * (end - begin)
-    middle = theta, segment.at(theta)
-    found = float(middle[1].margins[which])
-    if found * sign < -rounded:
-        return theta
-    first = _dip(segment, which, low, middle, rounded, halvings - 1)
-    return _dip(segment, which, middle, high, rounded, halvings - 1) if first is None else first
+def _passing(segment: Segment, which: int, sign: float, rounded: float) -> Iterator[float]:
+    """Places at which a margin that has a sign at both ends of a segment has the other one."""
+
+    def place(low: Placed, high: Placed) -> float | None:
+        """Where the cubic of a margin is least, if it falls at the one end and grows at the other."""
+        values = [sign * float(sample.margins[which]) for _, sample in (low, high)]
+        if not min(values) > 0.0:
+            return None
+        rates = []
+        for (_, sample), falls in ((low, True), (high, False)):  # the second has its price as well
+            rate = sign * (high[0] - low[0]) * segment.length * _rate(segment, sample, which)
+            if not (rate < 0.0 if falls else rate > 0.0):
+                return None
+            rates.append(rate)
+        given = np.array([[*values, *rates]])
+        places = cubic.turns(given)
+        least = (given @ cubic.weights(places[0]))[0]
+        at = int(np.argmin(least))
+        return float(places[0, at]) if least[at] < NEAR_ZERO * min(values) else None
+
+    def passes(sample: Sample) -> bool:
+        return sign * float(sample.margins[which]) < -rounded
+
+    return looked_for(segment, (0.0, segment.a), (1.0, segment.b), place, passes)
 
 
 def _rate(segment: Segment, sample: Sample, which: int) -> float:
@@ -74,15 +68,3 @@ def _rate(segment: Segment, sample: Sample, which: int) -> float:
     assert limited is not None
     beside = limited.margins(sample.z + BESIDE * sample.tangent, sample.weights)
     return float(beside[which] - sample.margins[which]) / BESIDE
-
-
-def _lowest(fa: float, fb: float, da: float, db: float) -> float | None:
-    """Where on 0..1 the cubic with these values and rates is least, if it is near zero there."""
-    a, b, c = 3.0 * (da + db - 2.0 * (fb - fa)), 2.0 * (3.0 * (fb - fa) - 2.0 * da - db), da
-    inside = max(b * b - 4.0 * a * c, 0.0)  # positive: the cubic falls at the one end and grows at the other
-    t = 2.0 * c / (-b - np.sqrt(inside)) if b > 0.0 else (-b + np.sqrt(inside)) / (2.0 * a)
-    if not 0.0 < t < 1.0:
-        return None
-    r = 1.0 - t
-    least = fa * r * r * (1 + 2 * t) + fb * t * t * (3 - 2 * t) + da * t * r * r - db * t * t * r
-    return float(t) if least < NEAR_ZERO * min(fa, fb) else None

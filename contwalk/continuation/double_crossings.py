@@ -12,18 +12,20 @@ from itertools import pairwise
 
 import numpy as np
 
+from contwalk.continuation.halving import NEAR_ZERO
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
-from contwalk.continuation.meeting_eigenvalues import peaks
+from contwalk.continuation.meeting_eigenvalues import PLACES, peaks
 from contwalk.continuation.on_finest_steps import on_finest_steps
 from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.numerics import cubic
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Sample, Test
 
-# An extremum is looked at when it comes this much nearer to zero than the ends.
-NEAR_ZERO = 0.5
 # Nearer to zero than this, against the ends, an extremum is looked at on the finest steps.
 CLOSE = 1e-4
+# Values and rates at both ends make these of a cubic in between.
+HERMITE = cubic.weights(PLACES)
 # How narrow a bracket says where a multiplier changes its sign, in parts of the segment.
 NARROW = 1e-6
 
@@ -210,10 +212,7 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
 
 def _cubic_extremum(ma: float, mb: float, da: float, db: float, sign: float) -> float:
     """Least value of sign * (cubic Hermite interpolation) on 0..1."""
-    t = np.linspace(0.0, 1.0, 33)
-    r = 1.0 - t
-    values = ma * r * r * (1 + 2 * t) + mb * t * t * (3 - 2 * t) + da * t * r * r - db * t * t * r
-    return float((sign * values).min())
+    return float((sign * (np.array([ma, mb, da, db]) @ HERMITE)).min())
 
 
 def _corner(ma: float, mb: float, da: float, db: float, sign: float) -> float:

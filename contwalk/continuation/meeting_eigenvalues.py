@@ -5,7 +5,7 @@ before. Their mean and the square D of their difference are smooth all the way, 
 both at the ends give cubics of these: mean +- sqrt(D) / 2 is what the two are in between.
 
 Source: A. P. Seyranian, A. A. Mailybaev, Multiparameter Stability Theory with Mechanical Applications, World
-Scientific 2003, section 2.8.
+Scientific 2003, chapter 2.
 """
 
 from __future__ import annotations
@@ -14,20 +14,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from contwalk.continuation.halving import NEAR_ZERO, Placed, looked_for
 from contwalk.continuation.segment import Segment
+from contwalk.numerics import cubic
 from contwalk.problems.problem import Sample
 
-# A peak is looked at when it comes this much nearer to zero than the ends.
-NEAR_ZERO = 0.5
 # Where D bends by less than this part of what it is its root does not, to the same part.
 STRAIGHT = 0.05
-# Places at which cubics are asked, and how often a part is halved: each time they are 16 times as good.
-PLACES, HALVINGS = np.linspace(0.0, 1.0, 33), 6
+# Places at which cubics are asked.
+PLACES = np.linspace(0.0, 1.0, 33)
 
 
-def peaks(
-    segment: Segment, low: tuple[float, Sample], high: tuple[float, Sample], halvings: int = HALVINGS
-) -> Iterator[float]:
+def peaks(segment: Segment, low: Placed, high: Placed) -> Iterator[float]:
     """Places between two solutions with as many unstable eigenvalues, at which they are more or fewer.
 
     Raises
@@ -35,19 +33,14 @@ def peaks(
     LostBranch
         If a solution there cannot be computed.
     """
-    (begin, a), (end, b) = low, high
-    if a.unstable != b.unstable or halvings == 0:
-        return
-    place = _place(a, b, (end - begin) * segment.length)
-    if place is None:
-        return
-    theta = begin + place * (end - begin)
-    middle = theta, segment.at(theta)
-    if middle[1].unstable != a.unstable:
-        yield theta
-        return
-    yield from peaks(segment, low, middle, halvings - 1)
-    yield from peaks(segment, middle, high, halvings - 1)
+    count = low[1].unstable
+
+    def place(before: Placed, behind: Placed) -> float | None:
+        if not before[1].unstable == behind[1].unstable == count:
+            return None
+        return _place(before[1], behind[1], (behind[0] - before[0]) * segment.length)
+
+    return looked_for(segment, low, high, place, lambda sample: sample.unstable != count)
 
 
 def _place(a: Sample, b: Sample, length: float) -> float | None:
@@ -83,7 +76,7 @@ def _place(a: Sample, b: Sample, length: float) -> float | None:
     least = np.abs(measures[:, np.stack([first, second])]).min(axis=(0, 1))
     sums = [0.5 * (each[first] + each[second]).real for each in (*values, *moved)]
     cubics = np.stack(sums, axis=1), np.stack([each[kept] for each in (*squares, *bends)], axis=1)
-    places = np.hstack([np.tile(PLACES, (len(first), 1)), _turns(cubics[1])])
+    places = np.hstack([np.tile(PLACES, (len(first), 1)), cubic.turns(cubics[1].real)])
     nearest = _nearest(*cubics, signs[first], places) / least[:, None]
     which, place = np.unravel_index(int(np.argmin(nearest)), nearest.shape)
     found = float(places[which, place])
@@ -96,22 +89,12 @@ def _nearest(mean: np.ndarray, square: np.ndarray, sign: np.ndarray, places: np.
     `mean` and `square` have values and rates at both ends of cubics, shape (k, 4); the sign is that of both
     at the ends, shape (k,). That D is a cubic is known to its last term: it is a parabola where two meet.
     """
-    weights = _hermite(places)
+    weights = cubic.weights(places)
     means = np.einsum("ki,ikp->kp", mean, weights)
     squares = np.einsum("ki,ikp->kp", square, weights)
     last = np.abs(square[:, 2] + square[:, 3] - 2.0 * (square[:, 1] - square[:, 0]))[:, None]
     real = np.sqrt(0.5 * (np.abs(squares) + squares.real) + places**2 * (1.0 - places) * last)
     return sign[:, None] * means - 0.5 * real
-
-
-def _turns(square: np.ndarray) -> np.ndarray:
-    """Where the real part of D turns on 0..1, shape (k, 2); 0 where it does not. As in `_nearest`."""
-    fa, fb, da, db = square.real.T
-    a, b, c = 3.0 * (da + db - 2.0 * (fb - fa)), 2.0 * (3.0 * (fb - fa) - 2.0 * da - db), da
-    with np.errstate(all="ignore"):
-        root = -0.5 * (b + np.copysign(np.sqrt(b * b - 4.0 * a * c), b))
-        found = np.stack([root / a, c / root], axis=1)
-    return np.where((found > 0.0) & (found < 1.0), found, 0.0)
 
 
 def _same(a: np.ndarray, b: np.ndarray, va: np.ndarray, vb: np.ndarray) -> np.ndarray:
@@ -125,9 +108,3 @@ def _same(a: np.ndarray, b: np.ndarray, va: np.ndarray, vb: np.ndarray) -> np.nd
         found[i] = j
         miss[i], miss[:, j] = np.inf, np.inf
     return found
-
-
-def _hermite(t: np.ndarray) -> np.ndarray:
-    """What values and rates at both ends make at places of shape (k, p), shape (4, k, p)."""
-    r = 1.0 - t
-    return np.stack([r * r * (1.0 + 2.0 * t), t * t * (3.0 - 2.0 * t), t * r * r, -t * t * r])
