@@ -292,11 +292,8 @@ class Curve:
         ]
         # A corner between two nodes is off a straight line by at most the change of slope, and a polynomial
         # through it by what is between both. Two nodes alone tell nothing of what is between them.
-        bend = (
-            sum((np.abs(np.diff(slopes, axis=0))), np.zeros_like(best))
-            if len(slopes) > 1
-            else np.abs(slopes[0])
-        )
+        turned = np.abs(np.diff(slopes, axis=0)).sum(axis=0)
+        bend = turned if len(slopes) > 1 else np.abs(slopes[0])
         off = abs(theta * (1.0 - theta)) * length * bend
         return best, UNSURE * (off + np.abs(best - (a + theta * (b - a)))) + along
 

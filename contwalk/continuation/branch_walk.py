@@ -247,10 +247,8 @@ class BranchWalk:
             first.allowance.allowed = allowed
             events = first.whole()
         else:
-            earlier, allowance = (
-                Earlier(begun, done, _crowd(work, sign)),
-                Allowance(allowed, cost(work.rows, sign)),
-            )
+            earlier = Earlier(begun, done, _crowd(work, sign))
+            allowance = Allowance(allowed, cost(work.rows, sign))
             events = walk(*place, settings, observer, sign, left, earlier=earlier, allowance=allowance)
         for event in events:
             if isinstance(event, End):

@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import ContwalkError
+from contwalk.numerics.linear import EPSILON
 
 VARIABLE = "CONTWALK_NOISE"
-EPSILON = float(np.finfo(float).eps)
 # Largest k.
 MOST = 2
 # Multiplying by an odd number mixes bits upwards (D. Knuth, The Art of Computer Programming 3, 6.4: 2^64 over

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import StartError, SystemDefinitionError, called
+from contwalk.memory import memory_of, remembered
 from contwalk.system.checks import check_presets, check_references, entries_of
 from contwalk.system.declared import Declared, with_conserved
 from contwalk.system.modes import Condition, Mode, Transition
@@ -157,10 +158,11 @@ class System(Declared):
         return {mode.name: mode for mode in self.modes}
 
     def beginning_in(self, mode: str) -> System:
-        """The same system with another mode as the first one: that of its equilibria."""
+        """The same system with another mode as the first one: that of its equilibria. It is made once."""
         if mode == self.modes[0].name:
             return self
-        return replace(self, modes=tuple(sorted(self.modes, key=lambda each: each.name != mode)))
+        order = tuple(sorted(self.modes, key=lambda each: each.name != mode))
+        return remembered(memory_of(self, "modes"), mode, len(order), lambda: replace(self, modes=order))
 
     def states_of(self, mode: str) -> tuple[int, ...]:
         """Positions of the states that exist in a mode, in the order of the states."""

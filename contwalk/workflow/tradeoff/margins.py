@@ -17,6 +17,7 @@ from contwalk.workflow.tradeoff.measuring import (
     TRUER,
     Outcome,
     Report,
+    apart,
     every,
     relative,
     tighter,
@@ -67,10 +68,8 @@ def measure_margins(
         raise ContwalkError("No border is met that could be more or less accurate.", "See farthest.")
     report(f"the truth, by {CHECK}")
     again, _ = _borders(_at(study, tight, CHECK, sharp), rays)
-    differences = _errors(truth, again)
-    lost = [name for name, value in differences.items() if math.isnan(value)]
     # A border lies in an interval of the relative width that was asked for.
-    doubt = max([sharp, *(value for value in differences.values() if not math.isnan(value))])
+    lost, doubt = apart(_errors(truth, again), least=sharp)
 
     def once(setting: Setting) -> Outcome:
         chosen = _at(study, setting.accuracy, setting.method, study.accuracy)

@@ -93,6 +93,12 @@ def tighter(accuracies: Sequence[float], lowest: float = LOWEST_ACCURACY) -> flo
     return max(TRUER * min(accuracies), lowest)
 
 
+def apart(errors: Mapping[str, float], least: float = 0.0) -> tuple[list[str], float]:
+    """Of the truth computed again: what is not found (NaN), and how far the rest is off, `least` or more."""
+    lost = [name for name, value in errors.items() if math.isnan(value)]
+    return lost, max([least, *(value for value in errors.values() if not math.isnan(value))])
+
+
 def relative(difference: float, value: float) -> float:
     """A difference relative to a value; absolute where that is zero."""
     return abs(difference) / abs(value) if value != 0.0 else abs(difference)

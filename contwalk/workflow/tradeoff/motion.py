@@ -16,7 +16,7 @@ from contwalk.workflow.run_file.motions import Simulation
 from contwalk.workflow.run_file.simulate import SimulationFile
 from contwalk.workflow.simulated import Simulated
 from contwalk.workflow.simulating import moved
-from contwalk.workflow.tradeoff.measuring import ACCURACIES, Outcome, Report, every, tighter, tried
+from contwalk.workflow.tradeoff.measuring import ACCURACIES, Outcome, Report, apart, every, tighter, tried
 from contwalk.workflow.tradeoff.trials import MOTION, Setting, Tradeoff
 
 METHODS = ("dop853", "verner98", "radau5", "radau9")
@@ -64,9 +64,7 @@ def measure_motion(
     scales = _scales(run, motion)
     report(f"the truth, by {CHECK}")
     again, _ = _moved(run, tight, CHECK)
-    differences = _errors(truth, _quantities(run, again), scales)
-    lost = [name for name, value in differences.items() if math.isnan(value)]
-    doubt = max((value for value in differences.values() if not math.isnan(value)), default=0.0)
+    lost, doubt = apart(_errors(truth, _quantities(run, again), scales))
 
     def once(setting: Setting) -> Outcome:
         found, seconds = _moved(run, setting.accuracy, setting.method)
