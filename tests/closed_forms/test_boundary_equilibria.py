@@ -199,3 +199,12 @@ def test_a_wall_on_one_side_is_met_on_one_half_alone(study, side, action):
     beyond = halves["x"] * side < -1.0 - 1e-9
     assert halves.points["admissible"][~beyond].all()
     assert not halves.points["admissible"][beyond].any()
+
+
+def test_of_an_event_that_changes_nothing_no_kind_is_told(study):
+    """Its reset keeps all: no sign says whether anything holds the mass there."""
+    plugin = BUCKLED.replace("SIDE", "-1.0").replace("-0.5 * x[1]", "x[1]")
+    _, halves = study(plugin, "{x: 0.0, v: 0.0}", -1.0, "[-1, 3]", "ignore", "[BP]")
+    point = the_point(halves)
+    assert point.kind is None
+    assert "is not known" in point.note

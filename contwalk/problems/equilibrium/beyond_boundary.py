@@ -17,7 +17,7 @@ import numpy as np
 
 from contwalk.errors import called
 from contwalk.numerics.linear import EPSILON, norm_in
-from contwalk.problems.equilibrium.boundaries import Boundary, boundaries_of, margins
+from contwalk.problems.equilibrium.boundaries import Boundary, boundaries_of, known, margins
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Seed
 from contwalk.system.declarations import ParameterValues
@@ -68,6 +68,10 @@ def beyond(problem: EquilibriumEquations, z: np.ndarray, weights: np.ndarray, bo
         seed = _seed(other, z, weights, rates)
         if not rates:
             return Beyond(PERSISTENCE, f"{where}, of which it is an equilibrium as well.", name, seed)
+        if own * min(rates) == 0.0:
+            return Beyond(
+                None, f"{where}, which it touches: on which side it is at rest is not known.", name, seed
+            )
         # Both are the machine's on the same side of the parameter, or one on either side.
         kind = PERSISTENCE if own * min(rates) < 0.0 else FOLD
         goes_on = "it goes on" if kind == PERSISTENCE else "both equilibria end"
@@ -131,7 +135,9 @@ def _held(problem: EquilibriumEquations, z: np.ndarray, boundary: Boundary, guar
         return Beyond(None, f"{guard}; what holds the machine there is not known.")
     n, gradient = problem.states, boundary.gradient(problem, z)
     pushed = problem.solve_states(z, impulse)
-    share = float(gradient[:n] @ pushed)
+    share = known(float(gradient[:n] @ pushed), gradient[:n] * pushed)
+    if share == 0.0:
+        return Beyond(None, f"{guard}, which does not push it back: whether it stays there is not known.")
     stays = REST if impacts else PERSISTENCE
     if share < 0.0:
         how = "it comes to rest against it" if impacts else "it goes on between both fields"

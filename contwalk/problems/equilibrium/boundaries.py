@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.numerics.linear import EPSILON
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.system import System, Transition
 
@@ -40,6 +41,8 @@ class Boundary:
     def rate(self, problem: EquilibriumEquations, z: np.ndarray) -> float:
         """d(margin)/d(parameter) along the branch of a mode's equilibria; z has the shape (N + 1,).
 
+        Zero where its terms cancel to half of the digits: its sign is not known then.
+
         Raises
         ------
         numpy.linalg.LinAlgError
@@ -47,7 +50,12 @@ class Boundary:
         """
         n, gradient, jacobian = problem.size, self.gradient(problem, z), problem.jacobian(z)
         along = np.linalg.solve(jacobian[:, :n], -jacobian[:, n])
-        return float(gradient[:n] @ along + gradient[n])
+        return known(float(gradient[:n] @ along + gradient[n]), np.append(gradient[:n] * along, gradient[n]))
+
+
+def known(value: float, terms: np.ndarray) -> float:
+    """A sum of terms, shape (k,), or zero where no more than half of its digits are left of them."""
+    return value if abs(value) > EPSILON**0.5 * float(np.abs(terms).sum()) else 0.0
 
 
 def boundaries_of(system: System) -> tuple[Boundary, ...]:
