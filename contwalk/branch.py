@@ -19,12 +19,14 @@ import numpy as np
 from contwalk import quantities, tables
 from contwalk.errors import ContwalkError
 from contwalk.labels import EVERY_MEANING
-from contwalk.special_point import SpecialPoint
+from contwalk.special_point import SpecialPoint, told_sides
 
 LABELS = tuple(EVERY_MEANING)
 ORBITS = ("periodic_orbit", "hybrid_orbit")
 # A parameter that changes by less than this part of itself along a whole curve does so by rounding.
 STANDS_STILL = 1e-9
+# What is stored of a row, and given of counts, where stability is not known.
+NOT_KNOWN = -1
 
 
 @dataclass(frozen=True)
@@ -88,8 +90,9 @@ def _point_dtype(free: int, states: int, observables: int, spectrum: int, unknow
             ("trivial_error", "f8"),  # |M f - f| / |f| of an orbit; NaN otherwise
             ("spectrum", "c16", (spectrum,)),
             ("spectrum_error", "f8"),  # estimated error of the leading eigenvalue
-            ("unstable", "i4"),
-            ("stable", "?"),
+            ("unstable", "i4"),  # of these whose sign is not known as many as beside it
+            ("undecided", "i4"),  # eigenvalues whose sign, of which stability depends, is not known
+            ("stable", "i1"),  # 1, 0, or -1: not known
             ("admissible", "?"),
             ("special", "?"),  # the row of a special point
             ("unknowns", "f8", (unknowns,)),
@@ -135,7 +138,8 @@ class Branch:
 
     `points` is a structured array of dtype `info.point_dtype()`, sorted by `s`. `branch["m"]` gives the array
     of a free parameter, a state or an observable by its name; `branch["unstable"]` and the other
-    columns by theirs; `branch["max:X"]`, `branch["min:X"]` and `branch["amp:X"]` are the largest and the
+    columns by theirs, -1 where it is not known; `branch["stable"]` is 1, 0, or -1 where it is not known;
+    `branch["max:X"]`, `branch["min:X"]` and `branch["amp:X"]` are the largest and the
     least value of a state over each orbit, and half their difference.
     """
 
@@ -209,6 +213,8 @@ class Branch:
         extreme = self._extreme(name)
         if extreme is not None:
             return extreme
+        if name == "unstable":
+            return self._unstable()
         if name in (self.points.dtype.names or ()):
             return self.points[name]
         if name in self.info.parameters:
@@ -245,7 +251,12 @@ class Branch:
                 name = name if name not in taken else f"{column}_{name}"
                 taken.add(name)
                 columns[name] = self.points[column][:, position]
-        return columns | self._spectral() | {name: self.points[name] for name in own}
+        stored = {name: self.points[name] for name in own} | {"unstable": self._unstable()}
+        return columns | self._spectral() | stored
+
+    def _unstable(self) -> np.ndarray:
+        """How many directions are unstable at each point, shape (k,); -1 where it is not known."""
+        return np.where(self.points["undecided"] > 0, NOT_KNOWN, self.points["unstable"])
 
     def _spectral(self) -> dict[str, np.ndarray]:
         """Eigenvalues or multipliers: `re_1`, `im_1`, `re_2`, ..."""
@@ -358,7 +369,7 @@ def table_of_special_points(branch: Branch) -> tables.Table:
                 "" if value is None else f"{value:.12g}",
                 "" if point.error is None else f"{point.error:.1e}",
                 point.criticality or "",
-                f"{point.unstable_before} \u2192 {point.unstable_after}",
+                told_sides(point, "\u2192"),
             ]
         )
     return rows

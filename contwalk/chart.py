@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +10,18 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Solution:
-    """A solution at a place: how many directions are unstable, whether it is admissible, and its state."""
+    """A solution at a place: how many directions are unstable (None: not known), whether it is admissible,
+    and its state.
+    """
 
-    unstable: int
+    unstable: int | None
     admissible: bool
     state: dict[str, float]
+
+
+def _last(unstable: int | None) -> float:
+    """What counts are ordered by."""
+    return math.inf if unstable is None else unstable
 
 
 @dataclass(frozen=True)
@@ -27,12 +35,12 @@ class Region:
     def shown(self) -> Solution | None:
         """The most stable of the admissible solutions, or of all where none is; None where there are none."""
         admissible = [solution for solution in self.solutions if solution.admissible]
-        return min(admissible or self.solutions, key=lambda solution: solution.unstable, default=None)
+        return min(admissible or self.solutions, key=lambda solution: _last(solution.unstable), default=None)
 
     @property
-    def counts(self) -> tuple[int, ...]:
-        """Unstable directions of all its solutions, in ascending order."""
-        return tuple(sorted(solution.unstable for solution in self.solutions))
+    def counts(self) -> tuple[int | None, ...]:
+        """Unstable directions of all its solutions, in ascending order; None, last, where not known."""
+        return tuple(sorted((solution.unstable for solution in self.solutions), key=_last))
 
 
 @dataclass(frozen=True)

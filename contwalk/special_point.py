@@ -22,8 +22,9 @@ def allowed_error(accuracy: float, value: float, error: float, magnitude: float)
 class SpecialPoint:
     """A special point, located or not. Fields are those of the JSON interface, plus `s` and the unknowns.
 
-    `mark` is what is marked at a marked value: `{"name": "max_re", "value": 0.0}`, its value None at an
-    extremum.
+    `unstable_before` and `unstable_after` count unstable directions on both sides; None where the sign of an
+    eigenvalue is not known. `mark` is what is marked at a marked value: `{"name": "max_re", "value": 0.0}`,
+    its value None at an extremum.
     """
 
     label: str
@@ -37,8 +38,8 @@ class SpecialPoint:
     spectrum: tuple[complex, ...] = ()
     spectrum_full: tuple[complex, ...] | None = None
     trivial_error: float | None = None
-    unstable_before: int = 0
-    unstable_after: int = 0
+    unstable_before: int | None = 0
+    unstable_after: int | None = 0
     error: float | None = None
     errors: Mapping[str, float] = field(default_factory=dict)
     criticality: str | None = None
@@ -65,6 +66,16 @@ def told_point(point: SpecialPoint) -> str:
     error = f"error {point.error:.1e}" if point.error is not None else None
     said = ", ".join(part for part in (*parts, error) if part)
     return f"{point.name or point.label}: {said}"
+
+
+def told_count(unstable: int | None) -> str:
+    """How many directions are unstable; negative as well where it is not known."""
+    return "not known" if unstable is None or unstable < 0 else str(unstable)
+
+
+def told_sides(point: SpecialPoint, arrow: str = "->") -> str:
+    """`0 -> 2`: unstable directions on both sides of a point."""
+    return f"{told_count(point.unstable_before)} {arrow} {told_count(point.unstable_after)}"
 
 
 def table_of_point(point: SpecialPoint) -> tables.Table:

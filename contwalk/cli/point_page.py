@@ -19,6 +19,7 @@ from contwalk.cli.summary import free_value
 from contwalk.cli.terminal import line, table
 from contwalk.cli.words import exact, meaning, plural, rough, with_unit
 from contwalk.errors import ContwalkError
+from contwalk.special_point import told_count, told_sides
 
 if TYPE_CHECKING:
     import numpy as np
@@ -92,7 +93,7 @@ def print_special(
     free = branch.info.free[0]
     error = f", estimated error {rough(point.error)}" if point.error is not None else ""
     facts = [f"{free} = {exact(free_value(branch, point))} {with_unit(free, units)}".strip() + error]
-    facts.append(f"unstable directions: {point.unstable_before} -> {point.unstable_after}")
+    facts.append(f"unstable directions: {told_sides(point)}")
     facts += [f"criticality: {point.criticality}"] if point.criticality else []
     facts += meaning_line(branch, point, hybrid, system)
     facts += [f"note: {point.note}"] if point.note else []
@@ -127,8 +128,8 @@ def print_row(
     hybrid = facts_at(system, branch, row)
     info, point = branch.info, branch.points[row]
     line(out, f"{branch.name}/{row}  point of {info.problem.replace('_', ' ')}", style="bold")
-    stable = "stable" if point["stable"] else "not stable"
-    line(out, f"unstable directions: {int(point['unstable'])} ({stable})", indent=4)
+    stable = {1: "stable", 0: "not stable"}.get(int(point["stable"]), "stability not known")
+    line(out, f"unstable directions: {told_count(int(branch['unstable'][row]))} ({stable})", indent=4)
     period, trivial = float(point["period"]), float(point["trivial_error"])
     known = None if math.isnan(trivial) else trivial
     facts = _of_orbit(branch, period, known, units) if period > 0.0 else []

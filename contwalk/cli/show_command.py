@@ -106,6 +106,7 @@ def _print_points(out: Console, branch: Branch) -> None:
     """Every point in a line: free parameters, observables, states, stability."""
     from contwalk import quantities
     from contwalk.cli.terminal import table
+    from contwalk.special_point import told_count
 
     # Extremes of states, and states at later events, would treble the columns: --json and export have them.
     observables = [name for name in branch.info.observables if not quantities.of_orbit(name)]
@@ -117,7 +118,7 @@ def _print_points(out: Console, branch: Branch) -> None:
             str(row),
             special.get(row, ""),
             *[f"{column[row]:.10g}" for column in columns],
-            str(int(branch.points["unstable"][row])),
+            told_count(int(branch["unstable"][row])),
         ]
         for row in range(len(branch))
     ]

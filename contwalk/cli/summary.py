@@ -11,6 +11,7 @@ import numpy as np
 from contwalk.cli.terminal import line, table
 from contwalk.cli.words import choices, exact, meaning, plural, rough, with_unit
 from contwalk.signatures import folded
+from contwalk.special_point import told_sides
 from contwalk.system.units import lasting
 
 if TYPE_CHECKING:
@@ -99,6 +100,8 @@ def _print_branch(
         line(out, f"parent: {_parent(info.parent, among)}", indent=4)
     if len(branch) and branch.info.problem in ("periodic_orbit", "hybrid_orbit"):
         line(out, _orbits(branch, time), indent=4)
+    if len(branch) and (unknown := branch["stable"] < 0).any():
+        line(out, _not_known(branch, unknown), indent=4)
     if info.signature:
         line(out, f"signature: {folded(info.signature)}", indent=4)
     shown = [name for name in fixed if name not in info.free]
@@ -127,6 +130,21 @@ def _orbits(branch: Branch, time: str) -> str:
     return text
 
 
+def _not_known(branch: Branch, unknown: np.ndarray) -> str:
+    """At how many points of a branch stability is not known, and where; `unknown` has the shape (k,)."""
+    free = branch.info.free[0]
+    values = branch[free][unknown]
+    where = (
+        f"{free} = {values[0]:.6g}"
+        if len(values) == 1
+        else f"{free} {values.min():.6g} to {values.max():.6g}"
+    )
+    return (
+        f"stability not known at {len(values)} of {plural(len(branch), 'point')} ({where}): an eigenvalue or "
+        "multiplier is within its error of where it changes"
+    )
+
+
 def _print_special(out: Console, branch: Branch) -> None:
     if not branch.special_points:
         return
@@ -140,7 +158,7 @@ def _print_special(out: Console, branch: Branch) -> None:
             *(exact(float(point.parameters[name])) for name in further),
             rough(point.error),
             point.criticality or "",
-            f"{point.unstable_before} -> {point.unstable_after}",
+            told_sides(point),
         ]
         for point in branch.special_points
     ]

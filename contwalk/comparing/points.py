@@ -164,7 +164,7 @@ def _sides(a: Stored, b: Stored) -> Iterator[Difference]:
     ways = a.curve.way(a.curve.node_of[a.point.index]), b.curve.way(b.curve.node_of[b.point.index])
     if float(ways[0] @ ways[1]) < 0.0:
         other = other[::-1]
-    if one != other:
+    if any(None not in side and side[0] != side[1] for side in zip(one, other, strict=True)):
         text = (
             f"{a.told()}: {one[0]} unstable before and {one[1]} after it in A, "
             f"{other[0]} and {other[1]} in B."

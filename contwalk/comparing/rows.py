@@ -13,6 +13,9 @@ from contwalk.branch import SpecialPoint
 from contwalk.comparing.curve import AT_NODE, Curve, Foot, from_border
 from contwalk.comparing.difference import ADMISSIBILITY, ROWS, STABILITY, VALUE, Difference, apart
 
+# What is told of a row whose stability is not known.
+NOT_KNOWN = "stability not known"
+
 
 @dataclass(frozen=True)
 class Met:
@@ -103,14 +106,16 @@ def _leads(
 
 def turned(own: Curve, places: Sequence[Met], side: str) -> Iterator[Difference]:
     """Stretches of rows whose stability or admissibility the other database tells otherwise."""
-    near = from_border(own.branch)
+    near, known = from_border(own.branch), own.branch["unstable"] >= 0
     stability = (STABILITY, _stability, _beside_point)
     admissibility = (ADMISSIBILITY, _admissibility, _nothing_beside)
     for what, of_row, of_point in (stability, admissibility):
         found = []
         for place in places:
-            unsure = what == STABILITY and not near[place.row] > 0.0
+            # What is not known is not told otherwise.
+            unsure = what == STABILITY and not (near[place.row] > 0.0 and known[place.row])
             expected = set() if unsure else _expected(own, place, of_row, of_point)
+            expected = set() if NOT_KNOWN in expected else expected
             said = of_row(own, place.row)
             regular = not own.special_nodes[own.node_of[place.row]]
             found.append(
@@ -169,7 +174,7 @@ def _uncertainty(own: Curve, row: int, curve: Curve, node: int) -> float:
 
 def _stability(curve: Curve, row: int) -> str:
     point = curve.branch.points[row]
-    return told_stability(int(point["unstable"]), bool(point["stable"]))
+    return told_stability(int(curve.branch["unstable"][row]), bool(point["stable"] == 1))
 
 
 def told_stability(unstable: int, stable: bool) -> str:
@@ -177,7 +182,7 @@ def told_stability(unstable: int, stable: bool) -> str:
     if unstable > 0:
         return f"{unstable} unstable direction{'' if unstable == 1 else 's'}"
     if unstable < 0:
-        return "stability not known"
+        return NOT_KNOWN
     return "stable" if stable else "not stable, no unstable direction"
 
 
@@ -191,7 +196,7 @@ def _beside_point(curve: Curve, node: int, after: bool) -> str | None:
     if not points:
         return None
     count = points[-1].unstable_after if after else points[0].unstable_before
-    return told_stability(count, True) if count > 0 else None
+    return told_stability(count, True) if count else None
 
 
 def _nothing_beside(curve: Curve, node: int, after: bool) -> None:

@@ -150,10 +150,12 @@ def _counted(state: ContinuationState, seed: Seed, point: SpecialPoint) -> Conti
     less than it is known to.
     """
     # Of points that one multiplier passes only doublings and pitchforks have a criticality.
-    born = point.criticality is not None and abs(point.unstable_after - point.unstable_before) == 1
-    if seed.problem.meshed is None or seed.tangent is None or not born:
+    before, after = point.unstable_before, point.unstable_after
+    if seed.problem.meshed is None or seed.tangent is None or point.criticality is None:
         return state
-    least = min(point.unstable_before, point.unstable_after)
+    if before is None or after is None or abs(after - before) != 1:
+        return state
+    least = min(before, after)
     count = least + (point.criticality == "subcritical")
     return replace(state, sample=state.sample.counted(count))
 

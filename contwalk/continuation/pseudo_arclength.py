@@ -184,7 +184,8 @@ class _Walk:
                 break  # told already, where the walk began
             s = begins.s + self._sign * found.theta * own.length
             place = ContinuationState(found.sample, s, begins.step)
-            record = found_record(own.problem, found, s, self._sign)
+            known = not own.a.undecided, found.theta == 1.0 or not step.there.undecided
+            record = found_record(own.problem, found, s, self._sign, known)
             yield self._counted(Point(place, record))
             self._crowd.tell(record.status == "located", s, place.sample.error)
             if outcome := _stop(own.problem, found, record, self._settings):

@@ -15,10 +15,16 @@ from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Located, Problem, Sample, Test
 
 
-def found_record(problem: Problem, found: Found, s: float, sign: float) -> SpecialPoint:
-    """The record of a found point; counts are in the order of growing arclength."""
+def found_record(
+    problem: Problem, found: Found, s: float, sign: float, known: tuple[bool, bool] = (True, True)
+) -> SpecialPoint:
+    """The record of a found point; counts are in the order of growing arclength.
+
+    `known`: whether stability is, before it and behind it along the walk.
+    """
     held = found.type.held_beside(problem, found.sample)
-    counts = found.before + held[0], found.after + held[1]
+    sides = zip((found.before, found.after), held, known, strict=True)
+    counts = [own + beside if sure else None for own, beside, sure in sides]
     before, after = counts if sign > 0 else counts[::-1]
     if found.kind == "unlocated":
         record = kind_of_test(problem, Test.MARK).describe(problem, found.located, found.sample, s)
@@ -79,7 +85,9 @@ def end_record(
         )
     elif not known:
         record = replace(record, error=None, errors={})
-    count = state.sample.unstable + state.sample.held_unstable
+    count = _count(state.sample)
+    if point is not None:
+        count = point.unstable_after if sign > 0 else point.unstable_before
     return replace(
         record,
         kind=outcome.reason,
@@ -89,6 +97,11 @@ def end_record(
         admissible=record.admissible and not state.sample.forbidden,
         note=outcome.message,
     )
+
+
+def _count(sample: Sample) -> int | None:
+    """How many directions are unstable at a sample; None where it is not known."""
+    return None if sample.undecided else sample.unstable + sample.held_unstable
 
 
 def _at_bound(problem: Problem, sample: Sample, name: str, value: float) -> Located | None:
@@ -108,6 +121,6 @@ def start_record(
     """The record of a mark, name and value, that the start of a branch has; the parameter's `error`."""
     located = Located(state.sample.z, error)
     record = kind_of_test(problem, Test.MARK).describe(problem, located, state.sample, state.s)
-    count = state.sample.unstable + state.sample.held_unstable
+    count = _count(state.sample)
     marked = {"name": mark[0], "value": mark[1]}
     return replace(record, kind=kind, mark=marked, unstable_before=count, unstable_after=count)

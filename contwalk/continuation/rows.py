@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.branch import BranchInfo, SpecialPoint
+from contwalk.branch import NOT_KNOWN, BranchInfo, SpecialPoint
 from contwalk.continuation.state import ContinuationState, adapted
 from contwalk.problems.problem import Problem, at_stored
 
@@ -34,7 +34,13 @@ def to_row(
     known = sample.spectrum_error if known is None else known
     row["spectrum_error"] = own if known is None else known
     row["unstable"] = sample.unstable + sample.held_unstable
-    row["stable"] = sample.stable
+    # At a bifurcation what is critical is so for a reason; its two sides are known.
+    bifurcation = born or (
+        special is not None and special.status == "located" and _critical(problem, special)
+    )
+    row["undecided"] = 0 if bifurcation else sample.undecided
+    stable = row["unstable"] == 0 if bifurcation else sample.stable
+    row["stable"] = NOT_KNOWN if stable is None else stable
     row["admissible"] = sample.admissible
     row["special"] = special is not None
     for column, values in (
@@ -51,6 +57,11 @@ def to_row(
     row["rhs"] = sample.evaluations
     row["seconds"] = sample.seconds
     return row
+
+
+def _critical(problem: Problem, point: SpecialPoint) -> bool:
+    """Whether an eigenvalue is critical at points that are stored like this one."""
+    return any(any(kind.changes) for kind in problem.point_types if kind.label == point.label)
 
 
 def _singular(problem: Problem, point: SpecialPoint) -> bool:

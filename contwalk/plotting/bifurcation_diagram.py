@@ -12,7 +12,7 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
 from contwalk.branch import Branch
-from contwalk.plotting.branch_lines import HATCHING, INLAY, LIGHTER, STABLE, UNSTABLE, WHITE, Pen
+from contwalk.plotting.branch_lines import HATCHING, INLAY, LIGHTER, LOOKS, STABLE, WHITE, Pen
 from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.orbit_values import default_y, drawn_by
 from contwalk.plotting.quantities import (
@@ -282,10 +282,9 @@ def _meanings(drawn: Sequence[Branch], lie_over: bool) -> list[Any]:
     parts = [run for branch in drawn for run in runs(branch)]
     points = [point for branch in drawn for point in branch.special_points if len(branch)]
     handles: list[Any] = []
-    if any(run.stable for run in parts):
-        handles.append(Line2D([], [], color=INK, label="stable", **STABLE))
-    if any(not run.stable for run in parts):
-        handles.append(Line2D([], [], color=INK, label="unstable", **UNSTABLE))
+    for stable, (meaning, look) in LOOKS.items():
+        if any(run.stable is stable for run in parts):
+            handles.append(Line2D([], [], color=INK, label=meaning, **look))
     if lie_over:
         under = Line2D([], [], color=INK, label="both, over one another", **STABLE)
         handles.append((under, Line2D([], [], **INLAY)))

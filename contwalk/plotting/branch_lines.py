@@ -1,4 +1,6 @@
-"""How branches are drawn: stable solid, unstable dashed and thin, not admissible light on grey hatching."""
+"""How branches are drawn: stable solid, unstable dashed and thin, dotted where that is not known; not
+admissible light on grey hatching.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +18,9 @@ from contwalk.plotting.style import light
 # Unstable lines are thinner too, so that a part shorter than one dash is not taken for a stable one.
 STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.9}
 UNSTABLE: dict[str, Any] = {"linestyle": "--", "linewidth": 1.1, "dashes": (4.5, 2.5)}
+UNDECIDED: dict[str, Any] = {"linestyle": ":", "linewidth": 1.5}
+# What is drawn how, and called what, by whether it is stable; None: not known.
+LOOKS = {True: ("stable", STABLE), False: ("unstable", UNSTABLE), None: ("stability not known", UNDECIDED)}
 # Where the machine cannot move so, lines are light, on grey hatching across them.
 HATCHING: dict[str, Any] = {
     "linestyle": "--",
@@ -45,7 +50,8 @@ class Pen:
         """Draw one line of a branch."""
         for k, run in enumerate(runs(branch)):
             part, number = curve.between(run.first, run.last), f"{k}" + (f"-{which}" if which else "")
-            line = dict(STABLE if run.stable else UNSTABLE)
+            called, look = LOOKS[run.stable]
+            kind, line = called.replace(" ", "-"), dict(look)
             if len(part) == 1:  # a line of one point is invisible
                 line |= {"marker": "o", "markersize": 4.0, "fillstyle": "full" if run.stable else "none"}
             shade = color if run.admissible else light(color, WHITE)
@@ -53,12 +59,11 @@ class Pen:
                 for line_part in self._bare("hatching", part):
                     self._ax.plot(*line_part.T, gid=f"{name}-inadmissible-{number}", zorder=1.5, **HATCHING)
                 line["linewidth"] *= LIGHTER
-            kind = "stable" if run.stable else "unstable"
             for line_part in [part] if run.stable else self._bare(shade, part):
                 self._ax.plot(*line_part.T, color=shade, gid=f"{name}-{kind}-{number}", zorder=2, **line)
                 if run.stable:
                     self._stable.bare(line_part)
-                else:
+                elif run.stable is False:
                     self._unstable.append((name, line_part))
 
     def inlay(self) -> bool:

@@ -17,7 +17,7 @@ from contwalk.plotting.style import GREY, INK, legend_above, new_axes
 
 # Of no, one, two, .. unstable directions; more of them look like the last.
 FILLS = ("#cfe3f3", "#fbe3c8", "#e9d3e3", "#d9d9d9", "#c4c4c4")
-NOTHING = "#ffffff"
+NOTHING, UNDECIDED = "#ffffff", "#f4f0b8"
 # Hatched where no solution is admissible.
 HATCH = "///"
 # Cells across, below which there is no room for the numbers in a region.
@@ -62,9 +62,12 @@ def plot_chart(
         _name(ax, chart, number, region)
     legend = ax.get_legend()
     handles = [*(legend.legend_handles if legend else ())]
-    for count in sorted({solution.unstable for solution in occurring if solution is not None}):
+    counts = {solution.unstable for solution in occurring if solution is not None}
+    for count in sorted(count for count in counts if count is not None):
         many = "stable" if count == 0 else f"{count} unstable direction{'s' if count > 1 else ''}"
         handles.append(Patch(facecolor=_fill_of(count), edgecolor=GREY, linewidth=0.5, label=many))
+    if None in counts:
+        handles.append(Patch(facecolor=UNDECIDED, edgecolor=GREY, linewidth=0.5, label="stability not known"))
     if any(solution is not None and not solution.admissible for solution in occurring):
         handles.append(Patch(facecolor=NOTHING, edgecolor=GREY, hatch=HATCH, label="not admissible"))
     if any(solution is None for solution in occurring):
@@ -75,8 +78,8 @@ def plot_chart(
     return ax
 
 
-def _fill_of(count: int) -> str:
-    return FILLS[min(count, len(FILLS) - 1)]
+def _fill_of(count: int | None) -> str:
+    return UNDECIDED if count is None else FILLS[min(count, len(FILLS) - 1)]
 
 
 def _fill(ax: Axes, chart: Chart) -> None:
@@ -108,7 +111,7 @@ def _name(ax: Axes, chart: Chart, number: int, region: Region) -> None:
     own = chart.labels == number
     if min(int(own.any(axis=0).sum()), int(own.any(axis=1).sum())) < ROOM:
         return
-    text = " ".join(map(str, region.counts)) or "\N{EN DASH}"
+    text = " ".join("?" if count is None else str(count) for count in region.counts) or "\N{EN DASH}"
     ax.text(
         *region.at, text, ha="center", va="center", fontsize=9, color=INK, zorder=5, gid=f"region-{number}"
     )

@@ -13,6 +13,9 @@ import numpy as np
 
 from contwalk.branch import Branch
 
+# What is told of a row, or of a side of a point: the worse of two is the larger one.
+STABLE, UNDECIDED, UNSTABLE = 0, 1, 2
+_TOLD = {STABLE: True, UNDECIDED: None, UNSTABLE: False}
 # At these labels no eigenvalue crosses: the row's own count holds.
 _WITHOUT_CROSSING = ("EP", "UZ")
 
@@ -23,7 +26,7 @@ class Run:
 
     first: int
     last: int
-    stable: bool
+    stable: bool | None  # None: not known
     admissible: bool
 
     @property
@@ -36,10 +39,10 @@ def runs(branch: Branch) -> list[Run]:
     """The longest runs of segments of one style, in order; a branch of one point is one run."""
     if len(branch) == 0:
         return []
-    unstable_row = branch.points["unstable"] != 0
+    unstable_row = np.select([branch["stable"] == 1, branch["stable"] == 0], [STABLE, UNSTABLE], UNDECIDED)
     inadmissible_row = ~branch.points["admissible"]
     if len(branch) == 1:
-        return [Run(0, 0, not unstable_row[0], not inadmissible_row[0])]
+        return [Run(0, 0, _TOLD[int(unstable_row[0])], not inadmissible_row[0])]
     before, after = _sides(branch, unstable_row)
     rounded = branch.points["special"] | at_birth(branch)
     unstable = _of_segments(unstable_row, rounded, before, after)
@@ -49,7 +52,9 @@ def runs(branch: Branch) -> list[Run]:
     changes = np.flatnonzero((np.diff(unstable) != 0) | (np.diff(inadmissible) != 0)) + 1
     starts = [0, *changes.tolist()]
     ends = [*changes.tolist(), len(unstable)]
-    return [Run(a, b, not unstable[a], not inadmissible[a]) for a, b in zip(starts, ends, strict=True)]
+    return [
+        Run(a, b, _TOLD[int(unstable[a])], not inadmissible[a]) for a, b in zip(starts, ends, strict=True)
+    ]
 
 
 def admissible_segments(branch: Branch) -> np.ndarray:
@@ -66,25 +71,30 @@ def at_birth(branch: Branch) -> np.ndarray:
 
 
 def _sides(branch: Branch, unstable_row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Whether the branch is unstable just before and just after each row, in the order of growing `s`."""
-    before, after = (unstable_row & ~at_birth(branch) for _ in range(2))
+    """What the branch is just before and just after each row, in the order of growing `s`."""
+    before, after = (np.where(at_birth(branch), STABLE, unstable_row) for _ in range(2))
     seen: set[int] = set()
     for point in sorted(branch.special_points, key=lambda q: q.s):
         row = point.index
         if not 0 <= row < len(branch) or point.label in _WITHOUT_CROSSING:
             continue
         if row not in seen:
-            before[row] = point.unstable_before != 0
-        after[row] = point.unstable_after != 0
+            before[row] = _of_count(point.unstable_before)
+        after[row] = _of_count(point.unstable_after)
         seen.add(row)
     return before, after
 
 
+def _of_count(unstable: int | None) -> int:
+    """What is told of a side of a special point with so many unstable directions."""
+    return UNDECIDED if unstable is None else UNSTABLE if unstable else STABLE
+
+
 def _of_segments(row: np.ndarray, special: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """The flag of each segment, of shape (k - 1,), from the flags of its ends."""
+    """What is told of each segment, of shape (k - 1,), from what is told of its ends."""
     left, right = row[:-1], row[1:]
-    either = left | right  # a change that was not located: the worse of the two
-    between_specials = after[:-1] | before[1:]
+    either = np.maximum(left, right)  # a change that was not located: the worse of the two
+    between_specials = np.maximum(after[:-1], before[1:])
     return np.select(
         [~special[:-1] & ~special[1:], ~special[:-1], ~special[1:]],
         [either, left, right],

@@ -171,9 +171,19 @@ class Sample:
         return values.real if self.critical == 0.0 else np.abs(values)
 
     @property
-    def stable(self) -> bool:
-        """Whether no eigenvalue is unstable, of a pair of which one is on either side neither."""
-        return self.unstable + self.held_unstable == 0
+    def undecided(self) -> int:
+        """How many eigenvalues are not known to the sign that tells their stability."""
+        last = len(self.measures) - self.still
+        return int(np.count_nonzero(~(np.abs(self.measures[:last]) > self.errors[:last])))
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether no eigenvalue is unstable; None where it is not known of one, and no other one is."""
+        if self.unstable + self.held_unstable == 0:
+            return None if self.undecided else True
+        last = len(self.measures) - self.still
+        certain = self.held_unstable or np.any(self.measures[:last] > self.errors[:last])
+        return False if certain else None
 
     @property
     def held_unstable(self) -> int:

@@ -1,6 +1,7 @@
 """The JSON document of a run: what `contwalk show DB --json` prints.
 
-Its `schema_version` is 1, and 2 where there are curves in two parameters.
+Its `schema_version` is 1, 2 where there are curves in two parameters, and 3 where stability is not known
+somewhere: what tells it is null there.
 """
 
 from __future__ import annotations
@@ -9,16 +10,18 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
-from contwalk.branch import Branch, SpecialPoint
+from contwalk.branch import NOT_KNOWN, Branch, SpecialPoint
 from contwalk.labels import LOCUS
 from contwalk.quantities import NEUTRAL_SADDLE, saddles
 from contwalk.storage.database import Database
 
-DOCUMENT_VERSION, WITH_LOCI = 1, 2
+DOCUMENT_VERSION, WITH_LOCI, WITH_UNKNOWN = 1, 2, 3
+SIDES = ("unstable_before", "unstable_after")
 
 
 def interface_schema() -> dict[str, Any]:
@@ -48,9 +51,8 @@ def document(db: Database, points: bool = False, only: Sequence[str] | None = No
     loaded: dict[str, Branch] = {}
     names = db.branch_names() if only is None else only
     branches = [_branch(db, _load(db, name, loaded), loaded, points) for name in names]
-    curves = any(branch["problem"] == LOCUS for branch in branches)
     return {
-        "schema_version": WITH_LOCI if curves else DOCUMENT_VERSION,
+        "schema_version": _version(branches),
         "contwalk_version": str(header.provenance.get("contwalk_version", "unknown")),
         "author": header.provenance.get("author"),
         "description": header.provenance.get("description"),
@@ -60,6 +62,15 @@ def document(db: Database, points: bool = False, only: Sequence[str] | None = No
         "branches": branches,
         "notes": [{"key": key, "text": text} for key, text in db.notes().items()],
     }
+
+
+def _version(branches: Sequence[Mapping[str, Any]]) -> int:
+    """The least version that has all that the document tells."""
+    sides = (point[side] for branch in branches for point in branch["special_points"] for side in SIDES)
+    rows = (row["unstable"] for branch in branches for row in branch.get("points", ()))
+    if any(count is None for count in chain(sides, rows)):
+        return WITH_UNKNOWN
+    return WITH_LOCI if any(branch["problem"] == LOCUS for branch in branches) else DOCUMENT_VERSION
 
 
 def _load(db: Database, name: str, loaded: dict[str, Branch]) -> Branch:
@@ -136,8 +147,8 @@ def _point(branch: Branch, row: np.void) -> dict[str, Any]:
         "state": dict(zip(info.states, _json(row["state"]), strict=True)),
         "observables": dict(zip(info.observables, _json(row["observables"]), strict=True)),
         "period": _finite(row["period"]),
-        "unstable": int(row["unstable"]),
-        "stable": bool(row["stable"]),
+        "unstable": None if row["undecided"] else int(row["unstable"]),
+        "stable": None if row["stable"] == NOT_KNOWN else bool(row["stable"]),
         "admissible": bool(row["admissible"]),
         "s": _json(row["s"]),
         "special": bool(row["special"]),

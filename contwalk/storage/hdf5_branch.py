@@ -25,6 +25,7 @@ from contwalk.storage.schema import (
     outcome_from_text,
     outcome_text,
     pieces,
+    point_dtype_before,
     point_record_dtype,
     special_from_text,
     special_record,
@@ -39,8 +40,11 @@ class StoredBranch:
 
     def __init__(self, group: h5py.Group, info: BranchInfo) -> None:
         self.info = info
-        self._packed = info.point_dtype().newbyteorder("<")
-        self.points = RecordLog(dataset_in(group, "points"), point_record_dtype(info))
+        points = dataset_in(group, "points")
+        earlier = "undecided" not in (points.dtype.names or ())
+        dtype = point_dtype_before(info) if earlier else info.point_dtype()
+        self._packed = dtype.newbyteorder("<")
+        self.points = RecordLog(points, point_record_dtype(dtype))
         self.special_points = _special_points(dataset_in(group, "special_points"), info)
         self.outcomes = RecordLog(dataset_in(group, "outcome"), TEXT_DTYPE)
         texts = joined(self.outcomes.read())
@@ -63,9 +67,9 @@ class StoredBranch:
         specials: np.ndarray | None = None,
         outcomes: np.ndarray | None = None,
     ) -> StoredBranch:
-        """A new branch, empty or with the given packed records.
+        """A new branch, empty or with the given records.
 
-        Of points, special points and the outcome's text there are arrays of shape (k,) each.
+        Of points, special points (packed) and the outcome's text there are arrays of shape (k,) each.
         """
         text = info_text(info)
         # Nameless until it is whole and on disk: a kill meanwhile leaves no half branch behind.
@@ -79,7 +83,7 @@ class StoredBranch:
         )
         for name, records, chunk in (
             ("info", pieces(text), TEXT_CHUNK),
-            ("points", np.empty(0, point_record_dtype(info)) if rows is None else rows, POINT_CHUNK),
+            ("points", _packed(info, np.empty(0, info.point_dtype()) if rows is None else rows), POINT_CHUNK),
             (
                 "special_points",
                 np.empty(0, special_record_dtype(info)) if specials is None else specials,
@@ -99,12 +103,12 @@ class StoredBranch:
 
     def copy_to(self, file: h5py.File, order: int, rows: int | None, specials: list[int] | None) -> None:
         """Write the branch into another file, with its first `rows` and some `specials` (all for None)."""
-        points, special_points = self._read()
+        points, special_points = self.rows(), self._read()[1]
         special_points = special_points.astype(special_record_dtype(self.info), copy=False)
         kept, special_points = points[:rows], special_points if specials is None else special_points[specials]
         ended = None
         if self._end is not None:
-            ended = pieces(outcome_text(*self._end, Extent.of(kept, special_points)))
+            ended = pieces(outcome_text(*self._end, Extent.of(_packed(self.info, kept), special_points)))
         StoredBranch.create(file, order, self.info, kept, special_points, ended)
 
     def _read(self) -> tuple[np.ndarray, np.ndarray]:
@@ -127,7 +131,13 @@ class StoredBranch:
 
     def rows(self) -> np.ndarray:
         """Whole points in the order of appending, shape (k,), of dtype `info.point_dtype()`."""
-        return self._read()[0].view(self._packed).astype(self.info.point_dtype())
+        stored, dtype = self._read()[0].view(self._packed), self.info.point_dtype()
+        if self._packed.names == dtype.names:
+            return stored.astype(dtype)
+        rows = np.zeros(len(stored), dtype)
+        for name in stored.dtype.names or ():
+            rows[name] = stored[name]
+        return rows
 
     def specials(self) -> list[SpecialPoint]:
         """Whole special points in the order of appending."""
@@ -148,6 +158,12 @@ class StoredBranch:
         """Take the outcome back."""
         self.outcomes.append(pieces(REOPENED))
         self._end = self._extent = None
+
+
+def _packed(info: BranchInfo, rows: np.ndarray) -> np.ndarray:
+    """Rows of dtype `info.point_dtype()`, shape (k,), as they are stored."""
+    stored = point_record_dtype(info.point_dtype())
+    return rows.astype(info.point_dtype().newbyteorder("<"), copy=False).view(stored)
 
 
 def _special_points(dataset: h5py.Dataset, info: BranchInfo) -> RecordLog:

@@ -21,7 +21,7 @@ from contwalk.storage.typed import typed
 
 FORMAT = "contwalk"
 PROBLEMS = ("equilibrium", "periodic_orbit", "hybrid_orbit", "locus")
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 LABEL = 8  # bytes of a special point's label; those of schema version 1 are in `LABELS_BEFORE`
 LABELS_BEFORE = (2,)
 
@@ -163,12 +163,19 @@ def outcome_from_text(text: str | None) -> tuple[Outcome, dict[str, float]] | No
     return replace(outcome, reason=_reason_of(outcome.reason, outcome.message)), cost
 
 
-def point_record_dtype(info: BranchInfo) -> np.dtype:
-    """`info.point_dtype()` as stored: little-endian, without the empty columns that HDF5 cannot hold.
+def point_dtype_before(info: BranchInfo) -> np.dtype:
+    """`info.point_dtype()` until schema version 2, when stability was always told as known."""
+    dtype = info.point_dtype()
+    names = [name for name in dtype.names or () if name != "undecided"]
+    return np.dtype([(name, "?" if name == "stable" else dtype[name]) for name in names])
+
+
+def point_record_dtype(dtype: np.dtype) -> np.dtype:
+    """Columns of points as stored: little-endian, without the empty columns that HDF5 cannot hold.
 
     Both are packed, so a row has the same bytes in either.
     """
-    dtype = info.point_dtype().newbyteorder("<")
+    dtype = dtype.newbyteorder("<")
     names = [name for name in dtype.names or () if dtype[name].itemsize]
     return np.dtype([(name, dtype[name]) for name in names])
 

@@ -92,13 +92,13 @@ def _stands_there(branch: Any, place: SpecialPoint | int, values: dict[str, floa
     if branch.info.problem not in ("equilibrium", "periodic_orbit", "hybrid_orbit"):
         return False
     if isinstance(place, int):
-        stable = int(branch.points["unstable"][place]) == 0
+        stable = int(branch["unstable"][place]) == 0
         own = {
             **branch.info.parameters,
             **dict(zip(branch.info.free, branch.points["free"][place], strict=True)),
         }
     else:
-        stable = max(place.unstable_before, place.unstable_after) == 0
+        stable = place.unstable_before == place.unstable_after == 0
         own = dict(place.parameters)
     return stable and all(
         abs(float(own.get(name, value)) - value) <= SAME * abs(value) for name, value in values.items()

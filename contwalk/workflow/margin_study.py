@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from contwalk.branch import Branch, SpecialPoint
+from contwalk.branch import NOT_KNOWN, Branch, SpecialPoint
 from contwalk.errors import ContwalkError, StartError
 from contwalk.studies.margins.conserved import changed_quantities
 from contwalk.studies.margins.directions import (
@@ -104,9 +104,16 @@ def study_of(run: MarginsFile) -> tuple[Study, list[ModeDirections], list[str]]:
 def _check_stable(branch: Branch, point: SpecialPoint | int, name: str) -> None:
     """Refuse what is unstable on both sides: any push along its unstable direction is lost in time."""
     if isinstance(point, int):
-        unstable = int(branch.points["unstable"][point])
+        counts = [int(branch["unstable"][point])]
     else:
-        unstable = min(point.unstable_before, point.unstable_after)
+        sides = point.unstable_before, point.unstable_after
+        counts = [NOT_KNOWN if count is None else count for count in sides]
+    unstable = min(counts)
+    if unstable == NOT_KNOWN:
+        raise StartError(
+            f"Whether {name} is stable is not known: a multiplier is within its error of where that changes.",
+            "Margins are of stable motions: name a point where `contwalk show` counts 0 unstable directions.",
+        )
     if unstable:
         raise StartError(
             f"{name} is unstable in {unstable} direction{'s' * (unstable > 1)}: every push that has a share "

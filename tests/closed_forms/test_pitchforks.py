@@ -59,7 +59,7 @@ def test_the_coefficient_against_the_curvature_of_the_branch_that_leaves(k):
     assert np.sign(other["x"][0]) == -np.sign(other["x"][-1])
     reached = -np.sign(k)
     assert other["mu"][0] == other["mu"][-1] == reached
-    assert other["stable"][other["mu"] != 0.0].all() == (k < 0)
+    assert (other["stable"][other["mu"] != 0.0] == 1).all() == (k < 0)
 
 
 def test_the_branch_of_a_pitchfork_passes_its_branch_point_when_walked_from_afar():

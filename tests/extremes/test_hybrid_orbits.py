@@ -438,7 +438,7 @@ class TestResets:
         expected = speed + np.log((1.0 + 0.1 * speed) / 0.5)
         np.testing.assert_allclose(branch["period"], expected, rtol=WALKED)
         assert np.all(np.isnan(branch.points["spectrum"].real))
-        assert np.all(branch["stable"])
+        assert np.all(branch["stable"] == 1)
         assert np.all(branch["unstable"] == 0)
 
     @pytest.mark.drawn(1)

@@ -173,6 +173,7 @@ def test_styles_still_change_at_special_points():
     special = SpecialPoint("LP", 0.0, unstable_before=0, unstable_after=1, name="LP1", index=2)
     made.points["special"][2] = True
     made.points["unstable"] = x > 1e-9
+    made.points["stable"] = x <= 1e-9
     made.special_points = [special]
     ax = plot_bifurcation_diagram([made], y="x")
     (stable,), (unstable,) = lines(ax, "b1-stable"), lines(ax, "b1-unstable")

@@ -15,6 +15,7 @@ import pytest
 from contwalk.errors import DatabaseError, WriteError
 from contwalk.storage import Hdf5Database, RunHeader, failures, hdf5, open_database
 from contwalk.storage.records import RecordLog
+from contwalk.storage.schema import SCHEMA_VERSION
 
 
 @pytest.fixture
@@ -114,8 +115,8 @@ def test_hdf5_of_another_program(tmp_path, mark):
 
 def test_newer_schema(stored):
     with h5py.File(stored, "r+") as file:
-        file.attrs["schema_version"] = 3
-    with pytest.raises(DatabaseError, match="schema version 3") as caught:
+        file.attrs["schema_version"] = SCHEMA_VERSION + 1
+    with pytest.raises(DatabaseError, match=f"schema version {SCHEMA_VERSION + 1}") as caught:
         open_database(stored)
     assert "upgrade" in caught.value.remedy
 

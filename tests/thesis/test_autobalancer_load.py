@@ -50,7 +50,7 @@ def test_full_load_is_a_supercritical_pitchfork_of_exchanged_masses(name, study)
 def test_overloaded_autobalancer_works_as_well_as_possible():
     # Beyond full load type 2 (both masses opposite the unbalance) is the only stable equilibrium.
     overloaded = [(b, b["m"] > 0.0201) for b in figure_run("autobalancer_load")]
-    stable = [math.cos(x) for b, rows in overloaded for x in b["beta1"][rows & b["stable"]]]
+    stable = [math.cos(x) for b, rows in overloaded for x in b["beta1"][rows & (b["stable"] == 1)]]
     assert stable
     assert max(stable) < 0.0
     for branch, rows in overloaded:

@@ -155,7 +155,7 @@ def _handful(branch: Branch) -> list[SpecialPoint] | list[int]:
 def _typical(branch: Branch) -> list[int]:
     """The row in the middle of the part that is stable and admissible, or else stable, where there is one."""
     rows = branch.points
-    stable = rows["stable"] & ~rows["special"] & ~at_birth(branch)
+    stable = (rows["stable"] == 1) & ~rows["special"] & ~at_birth(branch)
     found = np.flatnonzero(stable & rows["admissible"] if np.any(stable & rows["admissible"]) else stable)
     return [int(found[len(found) // 2])] if len(found) else []
 
@@ -175,7 +175,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
         )
     if isinstance(point, SpecialPoint):
         name, admissible = point.name, point.admissible
-        stable = not (point.unstable_before or point.unstable_after)
+        stable = point.unstable_before == point.unstable_after == 0
         stable &= not (point.label == "EP" and point.kind in ENDS_AT_BIFURCATION)
     else:
         row = branch.points[point]
@@ -220,8 +220,8 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
 def _is_stable(branch: Branch, row: int) -> bool:
     """Whether a row is stable, on both sides where it is one of a special point, and no bifurcation."""
     points = [p for p in branch.special_points if p.index == row and branch.points["special"][row]]
-    beside = any(p.unstable_before or p.unstable_after for p in points)
-    return not (branch.points["unstable"][row] or beside or at_birth(branch)[row])
+    beside = all(p.unstable_before == p.unstable_after == 0 for p in points)
+    return bool(branch["unstable"][row] == 0 and beside and not at_birth(branch)[row])
 
 
 def _unit(system: System, free: str) -> str:
