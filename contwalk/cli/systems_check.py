@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,18 +24,17 @@ def command(system: str) -> int:
     """
     from contwalk.cli.terminal import console, line
     from contwalk.cli.words import plural
-    from contwalk.plugin_check.system import check_reference
+    from contwalk.plugin_check.system import findings_of
 
-    findings = check_reference(system)
     out = console()
-    model = ""
-    for finding in findings:
+    count, model = Counter[str](), ""
+    for finding in findings_of(system):
+        count[finding.level] += 1
         if finding.model != model:
             model = finding.model
             out.print()
             line(out, f"with {model}", style="bold")
         line(out, _text(finding), style=_STYLES[finding.level])
-    count = {level: sum(finding.level == level for finding in findings) for level in _STYLES}
     out.print()
     line(out, f"{count['ok']} ok, {plural(count['warning'], 'warning')}, {plural(count['error'], 'error')}")
     return 2 if count["error"] else 0

@@ -32,12 +32,12 @@ def check_absent(report: Report, system: System) -> None:
             form = number_form("function(t, x, p)")
             _check(report, f"{kind} '{entry.name}'", entry.function, system, existing, form)
     resets = [(f"reset of transition '{t.name}'", t.reset, t.source) for t in system.transitions if t.reset]
-    targets = {
-        id(t.reset): [u.target for u in system.transitions if u.reset is t.reset] for t in system.acting
-    }
+    acting = {id(t.reset) for t in system.acting}
+    into = ((t.name, t.reset, t.target) for t in system.transitions if id(t.reset) in acting)
+    targets = {id(function): modes for _, function, modes in _by_function(into)}
     for what, function, modes in _by_function(resets):
-        into = targets.get(id(function), [])
-        _check(report, what, function, system, modes, _needing(system, into, "reset", "x_plus"))
+        form = _needing(system, targets.get(id(function), []), "reset", "x_plus")
+        _check(report, what, function, system, modes, form)
 
 
 def _by_function(used: Iterable[tuple[str, Any, str]]) -> list[tuple[str, Callable[..., Any], list[str]]]:

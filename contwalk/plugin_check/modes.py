@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
+
 from contwalk.plugin_check.findings import Report
 from contwalk.plugin_check.functions import check_field, field_form, traced_field
+from contwalk.plugin_check.kernels import Kernels
 from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.traced import Traced
 from contwalk.system import Mode, System, Transition
@@ -19,6 +22,7 @@ class CheckedFields(Mapping[str, Traced]):
         self._checked: dict[str, Traced] = {}
         self._others: dict[str, Traced] = {}
         self._standing_in: dict[str, str] = {}
+        self._kernels: dict[tuple, Kernels] = {}
 
     def check(self, report: Report, samples: Samples | None = None) -> None:
         """Check the field of every mode; of those that share one, that of the first.
@@ -37,6 +41,24 @@ class CheckedFields(Mapping[str, Traced]):
                 self._checked[first.name] = field
                 self._standing_in |= {mode.name: first.name for mode in alike}
 
+    def at(self, samples: Samples) -> Iterator[tuple[str, Traced, float, np.ndarray]]:
+        """Names and fields of all modes with the times and states, shape (n,), at which they are tried.
+
+        A function is tried at all sampled states in the mode that it was checked with, and at one of them, in
+        turn, in each other mode: what differs there are constants.
+        """
+        places = list(zip(samples.times, samples.states, strict=True))
+        for number, mode in enumerate(self._system.modes):
+            chosen = places if mode.name in self._checked else [places[number % len(places)]]
+            for t, x in chosen:
+                yield mode.name, self[mode.name], t, x
+
+    @property
+    def sampled(self) -> str:
+        """In words, where not all modes are tried at all sampled states; empty else."""
+        others = len(self._standing_in) - len(self._checked)
+        return f", at one sampled state in each of {others} that share the field of another" if others else ""
+
     @property
     def complete(self) -> bool:
         """Whether every mode's field is sound."""
@@ -48,10 +70,19 @@ class CheckedFields(Mapping[str, Traced]):
         if name not in self._standing_in:
             raise KeyError(name)
         if name not in self._others:
-            mode = self._system.mode(name)
-            form = field_form(mode, self._system)
-            self._others[name] = Traced(mode.field, self._system, form, mode=name)
+            mode, system = self._system.mode(name), self._system
+            form, kernels = field_form(mode, system), self._shared(mode)
+            self._others[name] = Traced(mode.field, system, form, mode=name, kernels=kernels)
         return self._others[name]
+
+    def _shared(self, mode: Mode) -> Kernels:
+        """The program that runs compile for all modes with the field of this one."""
+        from contwalk.flow.compiled.traced import shared_program  # compiled flows
+
+        if mode.code not in self._kernels:
+            n = len(self._system.states)
+            self._kernels[mode.code] = Kernels(shared_program(self._system, mode), n, n)
+        return self._kernels[mode.code]
 
     def __contains__(self, name: object) -> bool:
         return name in self._standing_in

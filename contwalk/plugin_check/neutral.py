@@ -67,7 +67,7 @@ def check_neutral(
             place,
         )
         return
-    report.ok(what, "is carried along by the fields of all modes.", place)
+    report.ok(what, f"is carried along by the fields of all modes{fields.sampled}.", place)
     for transition in distinct_transitions(system):
         if transition.role != "watched":
             _check_event(report, what, generator, transition, system, fields, samples)
@@ -203,12 +203,8 @@ def _found_neutral(generator: Traced, fields: CheckedFields, system: System, sam
 
 
 def _brackets(generator: Traced, fields: CheckedFields, samples: Samples) -> tuple[np.ndarray, np.ndarray]:
-    """The bracket at all sampled states in all modes, and the size of its terms, shape (k,) each."""
-    found = [
-        _bracket(generator, fields[mode.name], t, fields[mode.name].given(x), samples)
-        for mode in generator.system.modes
-        for t, x in zip(samples.times, samples.states, strict=True)
-    ]
+    """The bracket at sampled states in all modes, and the size of its terms, shape (k,) each."""
+    found = [_bracket(generator, field, t, field.given(x), samples) for _, field, t, x in fields.at(samples)]
     apart, terms = zip(*found, strict=True)
     return np.concatenate(apart), np.concatenate(terms)
 
@@ -259,16 +255,14 @@ def _found_at_rest(generator: Traced, field: Traced, system: System, samples: Sa
 
 def _lost_along(generator: Traced, fields: CheckedFields, samples: Samples) -> str:
     """How the field of a mode does not carry a direction along, in words; empty where all do."""
-    for mode in generator.system.modes:
-        field = fields[mode.name]
-        for t, x in zip(samples.times, samples.states, strict=True):
-            apart, terms = _bracket(generator, field, t, field.given(x), samples)
-            if not (np.isfinite(apart).all() and np.isfinite(terms).all()):
-                continue
-            wrong = np.abs(apart) > NEUTRAL * terms
-            if wrong.any():
-                i = int(np.argmax(np.abs(apart) / np.maximum(terms, np.finfo(float).tiny)))
-                return f"{field.form.entry(i)} changes along it in mode '{mode.name}', by {apart[i]:.4g}"
+    for mode, field, t, x in fields.at(samples):
+        apart, terms = _bracket(generator, field, t, field.given(x), samples)
+        if not (np.isfinite(apart).all() and np.isfinite(terms).all()):
+            continue
+        wrong = np.abs(apart) > NEUTRAL * terms
+        if wrong.any():
+            i = int(np.argmax(np.abs(apart) / np.maximum(terms, np.finfo(float).tiny)))
+            return f"{field.form.entry(i)} changes along it in mode '{mode}', by {apart[i]:.4g}"
     return ""
 
 

@@ -13,10 +13,12 @@ def check_reachable(report: Report, system: System) -> None:
     """Tell of modes that no transition leads to, and of transitions that never come round."""
     if not system.acting:
         return
-    leads = {mode.name: {t.target for t in system.acting if t.source == mode.name} for mode in system.modes}
-    entered = _closure(leads, [system.modes[0].name])
+    leads: dict[str, set[str]] = {mode.name: set() for mode in system.modes}
+    for transition in system.acting:
+        leads[transition.source].add(transition.target)
+    entered = _closure(leads, [system.modes[0].name]).union(*leads.values())
     for mode in system.modes:
-        if mode.name not in entered and not any(mode.name in targets for targets in leads.values()):
+        if mode.name not in entered:
             report.warning(
                 f"mode '{mode.name}'",
                 "No transition that acts leads to it: a motion is in it only if it starts there. Is it the "
@@ -33,8 +35,10 @@ def check_reachable(report: Report, system: System) -> None:
         )
         return
     for mode in system.modes:
+        if leads[mode.name] or mode.about or system.fallen is not None:
+            continue
         into = [t.name for t in system.acting if t.target == mode.name and t.source != mode.name]
-        if into and not leads[mode.name] and not mode.about and system.fallen is None:
+        if into:
             report.warning(
                 f"mode '{mode.name}'",
                 f"'{into[0]}' leads to it, and no transition leads out of it: a motion that gets there "

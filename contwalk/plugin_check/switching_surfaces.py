@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import SystemDefinitionError
-from contwalk.fields.kernel import Kernel
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Raises, Tracer, trace
 from contwalk.flow.compiled.traced import arguments
 from contwalk.flow.hybrid.sliding import SlidingMode, SwitchingSurface
 from contwalk.plugin_check.functions import EPSILON
+from contwalk.plugin_check.kernels import Kernels
 from contwalk.plugin_check.samples import Samples, samples_of
 from contwalk.plugin_check.states_at_event import FACTOR, state_on
-from contwalk.plugin_check.traced import GROUPS, Traced, number_form, vector_form
+from contwalk.plugin_check.traced import Traced, number_form, vector_form
 from contwalk.system import System, Transition
 
 
@@ -44,9 +44,9 @@ def refuse_one_rate(system: System, mode: SlidingMode) -> None:
     """
     samples, surface = _samples(system), mode.surface
     guard = Traced(surface.guard, system, number_form("guard(t, x, p)"), mode=surface.crossings[0].source)
-    rates = [Kernel(program, GROUPS) for program in (mode.above, mode.below)]
+    rates = [Kernels(program, 1, len(samples.scales)) for program in (mode.above, mode.below)]
     for t, x in _states_on(guard, samples):
-        above, below = (float(rate([t], x, samples.values)[0]) for rate in rates)
+        above, below = (float(rate.values(t, x, samples.values, ())[0]) for rate in rates)
         if abs(below - above) > FACTOR * EPSILON * (abs(above) + abs(below)):
             return
     raise SystemDefinitionError(

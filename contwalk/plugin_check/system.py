@@ -35,11 +35,18 @@ from contwalk.plugin_check.symmetry import check_symmetry
 from contwalk.system import Condition, Family, Observable, Symmetry, System, list_systems
 from contwalk.system.loading import is_path, load_declaration
 
-__all__ = ["Finding", "check_reference", "check_system"]
+__all__ = ["Finding", "check_reference", "check_system", "findings_of"]
 
 
 def check_reference(reference: str, base: Path | None = None) -> list[Finding]:
+    """All that `findings_of` finds."""
+    return list(findings_of(reference, base))
+
+
+def findings_of(reference: str, base: Path | None = None) -> Iterator[Finding]:
     """Load a plugin and check it with its default model, and with each choice varied in turn.
+
+    Findings come as each model has been checked.
 
     Parameters
     ----------
@@ -59,20 +66,20 @@ def check_reference(reference: str, base: Path | None = None) -> list[Finding]:
     try:
         declared = load_declaration(reference, base)
     except (Exception, SystemExit) as error:
-        return [_load_finding(f"plugin '{reference}'", error, path)]
+        yield _load_finding(f"plugin '{reference}'", error, path)
+        return
     sources = [path] if path is not None else _module_files(reference)
     if isinstance(declared, System):
-        return check_system(declared, sources=sources)
-    findings = []
+        yield from check_system(declared, sources=sources)
+        return
     for model in _models(declared):
         label = ", ".join(f"{name}={value}" for name, value in model.items())
         try:
             system = declared.with_model(model)
         except (Exception, SystemExit) as error:
-            findings.append(_load_finding(f"model of '{declared.name}'", error, path, declared, label))
+            yield _load_finding(f"model of '{declared.name}'", error, path, declared, label)
             continue
-        findings += check_system(system, sources=sources, model=label)
-    return findings
+        yield from check_system(system, sources=sources, model=label)
 
 
 def check_system(system: System, sources: Sequence[Path] = (), model: str = "") -> list[Finding]:

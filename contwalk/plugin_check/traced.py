@@ -11,16 +11,14 @@ import numpy as np
 
 from contwalk.errors import ContwalkError, PluginError
 from contwalk.fields.derivative import ancestors, jacobian
-from contwalk.fields.kernel import Kernel
 from contwalk.fields.rebind import rebound
-from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Outputs, Program, Raises, Tracer, roots, trace
 from contwalk.plugin_check.findings import Report, place_of, split_place
+from contwalk.plugin_check.kernels import Kernels
 from contwalk.python_functions import plain
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 
-GROUPS = ("t", "x", "p")
 AGAIN = (
     "Called again it gives other values: it depends on something besides t, x and p, such as a random "
     "number, a clock, or a variable that changes. What it needs must be constant, a state or a parameter."
@@ -81,6 +79,9 @@ class Traced:
         States that do not exist in it are zero, and its constants are there; without it all states exist.
     every : bool
         Whether the mode gives its constants only, and all states exist.
+    kernels : Kernels, optional
+        Those of a program that is the function in other modes too, with all states and the constants among
+        its inputs. Its own program is traced when it is first asked for.
     """
 
     def __init__(
@@ -91,6 +92,7 @@ class Traced:
         instants: int = 0,
         mode: str | None = None,
         every: bool = False,
+        kernels: Kernels | None = None,
     ) -> None:
         self.function = function
         self.system = system
@@ -98,10 +100,16 @@ class Traced:
         self.instants = instants
         self.existing = range(len(system.states)) if mode is None or every else system.states_of(mode)
         self._constants = {} if mode is None else dict(system.mode(mode).constants)
+        self._numbers = tuple(self._constants.values())
         self.unwritten: set[int] = set()
-        self._copy, self._plain = rebound(function), plain(function)
-        self.program: Program = trace(self.recorded)
-        self.repeats = _same(self.program, trace(self.recorded))
+        # Whoever made the kernels has asked; of others what cannot be traced is refused here.
+        self.repeats = kernels is not None or _same(self.program, trace(self.recorded))
+        self._kernels = kernels or Kernels(self.program, len(form.names), len(system.states))
+
+    @cached_property
+    def program(self) -> Program:
+        """Its entries as they depend on t, x and p."""
+        return trace(self.recorded)
 
     def recorded(self, tracer: Tracer) -> list[Any]:
         """Its entries for the symbols of t, x and p."""
@@ -110,10 +118,14 @@ class Traced:
             x[i] = tracer.symbol("x", i)
         p = {name: tracer.symbol("p", k) for k, name in enumerate(self.system.parameter_names)}
         known = ParameterValues(**p, **self._constants)
-        out = self._call(self._copy, tracer.symbol("t", 0), x, known, None, object)
+        out = self._call(rebound(self.function), tracer.symbol("t", 0), x, known, None, object)
         out[~self.form.wanted] = 0.0
         self.unwritten |= {i for i, entry in enumerate(out) if entry is None}
         return [0.0 if entry is None else entry for entry in out]
+
+    @cached_property
+    def _plain(self) -> Callable[..., Any]:
+        return plain(self.function)
 
     def _call(
         self, function: Callable[..., Any], t: Any, x: np.ndarray, p: ParameterValues, blank: Any, dtype: Any
@@ -186,48 +198,23 @@ class Traced:
 
     def values(self, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
         """Values, shape (m,); NaN where there are none."""
-        return _evaluated(self._value, t, x, parameters)
+        return np.where(self.form.wanted, self._kernels.values(t, x, parameters, self._numbers), 0.0)
 
     def slopes(self, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
         """Exact derivatives by t (column 0) and the states, shape (m, n + 1); NaN where there are none."""
-        return _evaluated(self._slope, t, x, parameters)
+        read = np.zeros(len(x) + 1, dtype=bool)
+        read[[0, *(i + 1 for i in self.existing)]] = True
+        found = self._kernels.slopes(t, x, parameters, self._numbers)
+        return np.where(self.form.wanted[:, None] & read, found, 0.0)
 
     def roundings(self, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
         """Bounds of the rounding errors of the values, in units of the machine epsilon, shape (m,)."""
-        return _evaluated(self._rounding, t, x, parameters)
-
-    @cached_property
-    def _value(self) -> Kernel:
-        return Kernel(self.program, GROUPS, (len(self.form.names),))
-
-    @cached_property
-    def _rounding(self) -> Kernel:
-        graph = self.program.graph
-        program = self.program.transformed(lambda outputs: error_bounds(graph, outputs))
-        return Kernel(program, GROUPS, (len(self.form.names),))
-
-    @cached_property
-    def _slope(self) -> Kernel:
-        graph, inputs = self.program.graph, self._inputs()
-
-        def change(outputs: tuple[int, ...]) -> list[int]:
-            rows = jacobian(graph, outputs, inputs)
-            return [row.get(k, graph.zero) for row in rows for k in range(len(inputs))]
-
-        shape = (len(self.form.names), len(inputs))
-        return Kernel(self.program.transformed(change), GROUPS, shape)
+        return np.where(self.form.wanted, self._kernels.roundings(t, x, parameters, self._numbers), 0.0)
 
 
 def _same(first: Program, second: Program) -> bool:
     """Whether two traces of a function are one; NaN is like NaN."""
     return first.tree == second.tree and repr(first.graph.nodes) == repr(second.graph.nodes)
-
-
-def _evaluated(kernel: Kernel, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
-    try:
-        return np.asarray(kernel([float(t)], x.tolist(), parameters), dtype=float)
-    except PluginError:
-        return np.full(kernel.shape or (), np.nan)
 
 
 def traced(

@@ -62,7 +62,7 @@ class Declared:
         """Names of the signals."""
         return tuple(signal.name for signal in self.signals)
 
-    @property
+    @cached_property
     def acting(self) -> tuple[Transition, ...]:
         """The transitions that do something: all but the watched ones."""
         return tuple(transition for transition in self.transitions if transition.role != "watched")

@@ -63,20 +63,18 @@ def force_of_ground(x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
     """Force on a toe along the axes of the slope; shape (3, k)."""
     columns, end = x.T, f"{leg}{toe}"
     place, speed = (move(columns, p, leg, toe, model) for move in (toe_place, toe_velocity))
-    full = speed[1]
+    into, out = -larger(-speed[1], 0.0), larger(speed[1], 0.0)
     if model.ground_damper != TWO_SIDED:
-        speed = speed[0], -larger(-speed[1], 0.0), speed[2]
+        speed = speed[0], into, speed[2]
     touches = np.where(on_ground(x, leg, toe), 1.0, 0.0)
-    acting = SimpleNamespace(**{**vars(p), f"on{end}": touches, f"damped{end}": touches})
+    acting = {f"{name}{end}": touches for name in ("on", "damped", "pressed")} | {f"rising{end}": 0.0}
     side, down = anchor(leg, toe)
+    held, known = (columns[side], columns[down]), SimpleNamespace(**{**vars(p), **acting})
+    force = ground_force(place, speed, held, known, end, model)
     if model.ground_damper == CLIPPED:
-        rises = np.where(full > 0.0, touches, 0.0)
-        pulls = p.k_y * place[1] + p.c_y_rebound * full > 0.0
-        slack = np.where(pulls, rises, 0.0)
-        flags = {"rising": rises - slack, "damped": touches - rises, "pressed": touches - slack}
-        vars(acting).update({f"{name}{end}": flag for name, flag in flags.items()})
-        speed = speed[0], full, speed[2]
-    return np.stack(ground_force(place, speed, (columns[side], columns[down]), acting, end, model))
+        # It damps as the toe moves out, too, and never pulls.
+        force = force[0], touches * larger(force[1] - p.c_y_rebound * out, 0.0), force[2]
+    return np.stack(force)
 
 
 def _stride_time(t: Any, x: Any, p: Any) -> Any:
