@@ -6,8 +6,6 @@ branches in the order of its queue, from whoever has walked them, and stores the
 
 from __future__ import annotations
 
-import math
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
@@ -15,6 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.continuation.allowance import UNBOUNDED, Allowance, Bound
 from contwalk.continuation.branch_in_progress import BranchInProgress, Start
 from contwalk.continuation.branch_walk import BranchWalk
 from contwalk.continuation.effort import REASON
@@ -38,14 +37,14 @@ class Task:
         The direction that is walked; both of them, if they are not independent.
     ancestors : tuple of tuples of SpecialPoint
         Of each branch on the way, the first one's first, its special points.
-    allowed : float
-        Right-hand sides that both directions may cost at most, as far as that is known.
+    allowed : Bound
+        What both directions may cost at most, as far as that is known.
     """
 
     number: tuple[int, ...]
     side: float | None = None
     ancestors: tuple[tuple[SpecialPoint, ...], ...] = field(default=(), compare=False)
-    allowed: float = field(default=math.inf, compare=False)
+    allowed: Bound = field(default=UNBOUNDED, compare=False)
 
     @property
     def turn(self) -> tuple[int, int, tuple[int, ...], float]:
@@ -110,12 +109,12 @@ class UpTo:
         Whether something is left out, or told of another bound.
     """
 
-    def __init__(self, messages: Iterator[Message], allowed: float) -> None:
-        self._messages, self._allowed = messages, allowed
+    def __init__(self, messages: Iterator[Message], allowed: Bound, begins: float) -> None:
+        self._messages, self._allowed, self._begins = messages, allowed, begins
         self.cut = False
 
     def __iter__(self) -> Iterator[Message]:
-        spent: Counter[float] = Counter()
+        sides: dict[float, Allowance] = {}
         used_up = False
         for message in self._messages:
             special = message.special if isinstance(message, Point) else None
@@ -126,12 +125,13 @@ class UpTo:
             yield message
             if isinstance(message, Point) and message.row is not None:
                 sign = float(np.sign(message.row["s"][0]))
-                spent[sign] += int(message.row["rhs"][0])
-                used_up = special is None and sign != 0.0 and spent[sign] >= self._allowed
+                side = sides.setdefault(sign, Allowance(self._allowed, 0, self._begins, self._begins))
+                side.tell(message.row["free"][0, 0], int(message.row["rhs"][0]))
+                used_up = special is None and sign != 0.0 and side.used_up
 
 
 def messages_of(
-    walk: BranchWalk, start: Start, side: float | None, allowed: float = math.inf
+    walk: BranchWalk, start: Start, side: float | None, allowed: Bound = UNBOUNDED
 ) -> Iterator[Message]:
     """All that is to be told of a side of the branch of a start, walked here, whatever its name will be."""
     if isinstance(start.opening, Outcome):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named, narrowed
 from contwalk.continuation import outcomes
+from contwalk.continuation.allowance import Bound, allowance_of
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
@@ -129,12 +130,7 @@ def spent(work: BranchInProgress, sign: float) -> int:
     return sum(1 for row in work.rows if row["s"][0] * sign >= 0.0)
 
 
-def cost(rows: Iterable[np.ndarray], sign: float) -> int:
-    """What a direction has cost, by its rows, each of shape (1,)."""
-    return sum(int(row["rhs"][0]) for row in rows if row["s"][0] * sign > 0.0)
-
-
-def outdated(stored: Stored, settings: Settings, info: BranchInfo, allowed: float) -> frozenset[int]:
+def outdated(stored: Stored, settings: Settings, info: BranchInfo, allowed: Bound) -> frozenset[int]:
     """Special points that are no ends any more, by their numbers.
 
     They were ends where fewer points, a narrower range or fewer right-hand sides than `allowed` were allowed
@@ -151,7 +147,7 @@ def outdated(stored: Stored, settings: Settings, info: BranchInfo, allowed: floa
         ]
         widened = point.kind == "bound" and all(within)
         walked = 1.0 if point.s > 0.0 or info.settings.get("mirror") else -1.0
-        cheaper = point.kind == "effort" and cost(stored.rows[:, None], walked) < allowed
+        cheaper = point.kind == "effort" and not allowance_of(allowed, stored.rows[:, None], walked).used_up
         if widened or cheaper or (point.kind == "max_points" and own < settings.max_points):
             found.add(number)
     return frozenset(found)

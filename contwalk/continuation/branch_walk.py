@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator, Iterator
 from dataclasses import replace
 
@@ -10,19 +9,18 @@ import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome
 from contwalk.continuation import mirror_images, outcomes
+from contwalk.continuation.allowance import UNBOUNDED, Bound, allowance_of
 from contwalk.continuation.branch_in_progress import (
     BranchInProgress,
     Start,
     Stored,
     closed,
-    cost,
     info_of,
     outdated,
     resumed,
     spent,
 )
 from contwalk.continuation.crowd import Crowd
-from contwalk.continuation.effort import Allowance
 from contwalk.continuation.events import Began, Cut, Event, Found, Noted, Plan
 from contwalk.continuation.first_steps import Beginning, FirstSteps, Place
 from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error, start_refined
@@ -124,12 +122,12 @@ class BranchWalk:
         work: BranchInProgress,
         stored: Stored | None,
         side: float | None = None,
-        allowed: float = math.inf,
+        allowed: Bound = UNBOUNDED,
     ) -> Iterator[Event]:
         """All that happens on a branch, which `work` is told of; an error ends it with an outcome.
 
         With a `side`, one of `sides`, what happens on that one; what happens at the start belongs to the
-        first one. Each direction may cost an equal part of the right-hand sides that are `allowed`.
+        first one. Each direction may cost an equal part of what is `allowed`.
         """
         try:
             signs = self.signs(start)
@@ -142,12 +140,12 @@ class BranchWalk:
             work.broken = True
             work.outcomes.append((1.0, outcomes.broken_by(error, "The branch cannot be followed")))
 
-    def each(self, start: Start, allowed: float) -> float:
+    def each(self, start: Start, allowed: Bound) -> Bound:
         """What each direction of a branch may cost, of what all may."""
-        return allowed / len(self.signs(start))
+        return allowed.part(len(self.signs(start)))
 
     def rest(
-        self, start: Start, opening: Opening, work: BranchInProgress, side: float | None, allowed: float
+        self, start: Start, opening: Opening, work: BranchInProgress, side: float | None, allowed: Bound
     ) -> Iterator[Event]:
         """What is missing of a side that others have walked up to what it may cost."""
         signs = self.signs(start) if side is None else (side,)
@@ -161,7 +159,7 @@ class BranchWalk:
         work: BranchInProgress,
         stored: Stored | None,
         signs: tuple[float, ...],
-        allowed: float,
+        allowed: Bound,
     ) -> Generator[Event, None, Places]:
         """What happens at the start of a branch, new or taken up again; where each direction sets out."""
         problem, settings = opening.problem, self._plan.settings
@@ -191,7 +189,7 @@ class BranchWalk:
         return places
 
     def _walked(
-        self, start: Start, opening: Opening, work: BranchInProgress, places: Places, allowed: float
+        self, start: Start, opening: Opening, work: BranchInProgress, places: Places, allowed: Bound
     ) -> Iterator[Event]:
         """The directions of a branch, or what is missing of them."""
         problem, observer = opening.problem, observer_of(opening.problem)
@@ -235,7 +233,7 @@ class BranchWalk:
         place: Place,
         sign: float,
         observer: Observer,
-        allowed: float,
+        allowed: Bound,
     ) -> Iterator[Event]:
         """One direction of a branch, walked from a place to its end."""
         settings, last = self._plan.settings, place[1].sample
@@ -244,11 +242,11 @@ class BranchWalk:
         left = settings.max_points - spent(work, sign)
         first = None if self._begun is None else self._begun.steps.pop(sign, None)
         if first is not None and first.place is place and first.points == left:
-            first.allowance.allowed = allowed
+            first.allowance.bound = allowed
             events = first.whole()
         else:
             earlier = Earlier(begun, done, _crowd(work, sign))
-            allowance = Allowance(allowed, cost(work.rows, sign))
+            allowance = allowance_of(allowed, work.rows, sign)
             events = walk(*place, settings, observer, sign, left, earlier=earlier, allowance=allowance)
         for event in events:
             if isinstance(event, End):

@@ -15,6 +15,7 @@ import numpy as np
 from contwalk.branch import Branch, BranchInfo, Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.ahead import Ahead, Task, UpTo, taken_over
+from contwalk.continuation.allowance import Bound
 from contwalk.continuation.beyond_depth import BeyondDepth
 from contwalk.continuation.born_there import born_there
 from contwalk.continuation.branch_in_progress import (
@@ -98,7 +99,7 @@ class Diagram:
 
     def _used_up(self, start: Start) -> bool:
         """Whether others like it have cost what all of them may; then it is left for later."""
-        if self._efforts.left(start, self._walk.info(start, "")) > 0.0:
+        if not self._efforts.left(start, self._walk.info(start, "")).nothing:
             return False
         self._efforts.pass_over(start)
         self._drop(start)
@@ -198,7 +199,7 @@ class Diagram:
         opening: Opening,
         work: BranchInProgress,
         stored: Stored | None,
-        allowed: float,
+        allowed: Bound,
     ) -> Iterator[Event]:
         """All that happens on a branch, walked here or by others ahead of its turn."""
         if self._ahead is None or stored is not None or not start.number:
@@ -208,7 +209,8 @@ class Diagram:
             if closed(work) or work.broken:  # then there is no other side
                 self._ahead.drop(task)
             else:
-                heard = UpTo(self._ahead.messages(task), self._walk.each(start, allowed))
+                each, begins = self._walk.each(start, allowed), opening.state.sample.parameter
+                heard = UpTo(self._ahead.messages(task), each, begins)
                 yield from taken_over(heard, work)
                 if heard.cut:
                     self._ahead.drop(task)
@@ -229,11 +231,11 @@ class Diagram:
         """What there is to walk of the branch of a start."""
         if isinstance(start.opening, Outcome):
             return []
-        allowed = self._efforts.most(self._walk.info(start, ""))
+        allowed = self._efforts.most(start, self._walk.info(start, ""))
         sides = self._walk.sides(start, start.opening)
         return [Task(start.number, side, start.above, allowed) for side in sides]
 
-    def _is_whole(self, start: Start, stored: Stored, info: BranchInfo, allowed: float) -> bool:
+    def _is_whole(self, start: Start, stored: Stored, info: BranchInfo, allowed: Bound) -> bool:
         """Whether nothing is to be added to a stored branch."""
         if stored.outcome is None or stored.outcome.reason == "interrupted":
             return False

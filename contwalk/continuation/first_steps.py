@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from contwalk.continuation.effort import Allowance
+from contwalk.continuation.allowance import Allowance
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import End, Point, walk

@@ -10,9 +10,9 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
+from contwalk.continuation.allowance import Allowance
 from contwalk.continuation.closing import place_of_closure
 from contwalk.continuation.crowd import Crowd
-from contwalk.continuation.effort import Allowance
 from contwalk.continuation.excursion import reentered
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
@@ -110,6 +110,7 @@ class _Walk:
         self._left, self._done = points, earlier.points
         self._origin = (earlier.begun or state).sample
         self._crowd, self._lost, self._allowance = earlier.crowd, SymmetriesLost(), allowance
+        allowance.tell(self._origin.parameter)
 
     def whole(self) -> Iterator[Point | End]:
         """All points, and the end."""
@@ -195,7 +196,8 @@ class _Walk:
 
     def _counted(self, point: Point) -> Point:
         self._done, self._left = self._done + 1, self._left - 1
-        self._allowance.spent += point.state.sample.evaluations
+        sample = point.state.sample
+        self._allowance.tell(sample.parameter, sample.evaluations)
         return point
 
     def _arrive(self, step: Step, spent: tuple[float, int]) -> None:

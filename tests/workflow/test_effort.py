@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import shlex
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from cut_branches import bits
 
 from contwalk.cli.entry import run as command_line
 from contwalk.errors import DatabaseError, RunFileError
+from contwalk.labels import END
 from contwalk.storage import open_database
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
@@ -77,11 +79,24 @@ def whole(band):
     return computed(band, "whole.h5").branches
 
 
+def dearness(branch, periods, first):
+    """What a doubled branch has cost up to each point, in points of so many periods, against what it shows.
+
+    One largest step, a 64th of the range, is shown by its first point already.
+    """
+    each = periods * first.cost["rhs"] / len(first)
+    c = branch.points["free"][:, 0]
+    steps = 64 * (np.maximum.accumulate(c) - np.minimum.accumulate(c)) / 2.0
+    return np.cumsum(branch.points["rhs"]) / each / (1.0 + steps)
+
+
 @pytest.fixture(scope="module")
 def effort(whole):
-    """One that ends the second of two doubled branches where half of it is there."""
-    first, second, third = (branch.cost["rhs"] for branch in whole)
-    return (second + 0.5 * third) / first
+    """One that ends the second of two doubled branches where it is dearest, and no earlier."""
+    found = dearness(whole[2], 4, whole[0])
+    worst = int(found.argmax())
+    assert 2 <= worst < len(found) - 1
+    return float(0.5 * (found[worst] + found[:worst].max()))
 
 
 @pytest.fixture(scope="module")
@@ -106,8 +121,8 @@ def test_a_branch_that_costs_more_stops_and_is_named(band, whole, bounded, effor
     assert (third.outcome.status, third.outcome.reason) == ("stopped", "effort")
     assert "--resume --set diagram.effort=none" in third.outcome.message
     assert bits(third) == bits(whole[2])[: len(bits(third))]  # as far as it has come
-    allowed = effort * whole[0].cost["rhs"] - whole[1].cost["rhs"]
-    assert third.cost["rhs"] >= allowed > third.cost["rhs"] - third.points["rhs"][-1]
+    assert len(third) == dearness(whole[2], 4, whole[0]).argmax() + 1 > 2
+    assert dearness(whole[1], 2, whole[0]).max() < effort
     (note,) = [text for key, text in notes(band / "bounded.h5").items() if key == "effort"]
     assert note.startswith(f"Left for later (`diagram.effort` = {effort:g}): b3 stopped.")
 
@@ -126,14 +141,19 @@ def test_the_command_that_goes_on_ends_with_the_bits_of_a_run_without_bounds(ban
 
 
 @pytest.mark.long
-def test_nothing_is_begun_where_nothing_is_left(band, whole):
-    few = whole[1].cost["rhs"] / whole[0].cost["rhs"]
-    branches = computed(band, "few.h5", f"diagram.effort={0.5 * few!r}").branches
+def test_nothing_is_begun_where_nothing_is_left(band):
+    longer = (
+        "engine.step=0.05"  # the first steps show more: what all may cost together ends the doubled branch
+    )
+    whole = computed(band, "longer.h5", longer).branches
+    few = 0.97 * whole[1].cost["rhs"] / whole[0].cost["rhs"]
+    assert few > dearness(whole[1], 2, whole[0]).max()
+    branches = computed(band, "few.h5", longer, f"diagram.effort={few!r}").branches
     assert [branch.outcome.reason for branch in branches] == ["bound", "effort"]
     told = notes(band / "few.h5")["effort"]
-    points = [point.name for point in branches[1].special_points if point.label == "PD"]
-    assert all(f"b2/{name}" in told for name in points)
-    again = computed(band, "few.h5", "diagram.effort=none", resume=True).branches
+    (point,) = [point.name for point in branches[1].special_points if point.label == "PD"]
+    assert f"what begins at b2/{point} was not begun" in told
+    again = computed(band, "few.h5", longer, "diagram.effort=none", resume=True).branches
     assert_alike(again, whole)
 
 
@@ -175,6 +195,23 @@ def test_branches_of_equilibria_have_all_their_points(tmp_path):
     found = computed(tmp_path, "all.h5", "diagram.effort=none").branches
     assert found[1].cost["rhs"] > 2 * found[0].cost["rhs"]
     assert_alike(computed(tmp_path, "one.h5", "diagram.effort=1").branches, found)
+
+
+@pytest.mark.slow
+def test_a_neuron_whose_doubled_cycles_live_within_a_fraction_of_a_step(tmp_path):
+    plugin = Path(__file__).parents[1] / "peers" / "problems" / "hodgkin_huxley.py"
+    rest = "{v: 0.0, m: 0.053, h: 0.596, n: 0.318}"
+    starts = f"contwalk: 1\nsystem: {plugin}\nstart: {{state: {rest}}}\n"
+    text = starts + "continue: {parameter: I, range: [0.0, 200.0]}\n"
+    (tmp_path / "run.yaml").write_text(text, encoding="utf-8")
+    branches = computed(tmp_path, "neuron.h5").branches
+    labels = [[p.label for p in branch.special_points if p.label != END] for branch in branches]
+    assert labels[:2] == [["HB", "HB"], ["LP", "PD", "PD", "LP", "LP"]]
+    cycles, doubled = branches[1:]
+    assert doubled.outcome.reason == "effort"
+    each = cycles.cost["rhs"] / len(cycles)
+    assert doubled.cost["rhs"] < 2 * 50 * each + 50 * each * 2 * 64 * 0.0004 + doubled.points["rhs"].max()
+    assert "b3 stopped" in notes(tmp_path / "neuron.h5")["effort"]
 
 
 @pytest.mark.parametrize(("written", "meant"), [("none", math.inf), ("2.5", 2.5)])
