@@ -87,6 +87,8 @@ def _print(out: Console, run: SampleFile, result: SampleResult) -> None:
         rows.append([f"no equilibrium {name} there", str(summary.without_equilibrium)])
     table(out, ["", ""], rows, indent=4, right=(1,))
     out.print()
+    if result.note:
+        line(out, f"note: {result.note}")
     for path in result.files:
         line(out, f"file:   {path}")
     for path in result.figures:

@@ -20,6 +20,9 @@ from contwalk.errors import ContwalkError, DatabaseError, WriteError
 from contwalk.storage.failures import again, failures_of, refuse_existing
 from contwalk.storage.locking import lock
 
+# Under this, lines tell what results are made with: that for what the study is, and others who go on with it.
+_MADE = "made with"
+
 
 class Journal:
     """An open journal.
@@ -31,11 +34,15 @@ class Journal:
         What the study is: plain values. Results of another one are not taken up.
     resume : bool
         Go on after the results that are there; else begin anew.
+    made : mapping, optional
+        What last digits hang on, as versions and the kind of processor.
 
     Attributes
     ----------
     kept : list of dict
         The results that were there, in their order.
+    made : list of dict
+        What that was of those who made them.
 
     Raises
     ------
@@ -49,34 +56,40 @@ class Journal:
         If it is damaged in its midst: what it holds from there on is computed again.
     """
 
-    def __init__(self, path: Path, identity: Mapping[str, Any], resume: bool) -> None:
+    def __init__(
+        self, path: Path, identity: Mapping[str, Any], resume: bool, made: Mapping[str, Any] | None = None
+    ) -> None:
         self.path = path
+        self.made: list[dict[str, Any]] = []
         self.kept: list[dict[str, Any]] = []
         with failures_of(path, "create"):
             path.touch()
             self._lock = lock(path)
             try:
-                self._open(identity, path.read_bytes() if resume else b"")
+                self._open(identity, path.read_bytes() if resume else b"", dict(made or {}))
             except BaseException:
                 self._lock.release()
                 raise
 
-    def _open(self, identity: Mapping[str, Any], there: bytes) -> None:
+    def _open(self, identity: Mapping[str, Any], there: bytes, made: dict[str, Any]) -> None:
         """Take up what is there, and begin where it ends."""
         lines = list(_sound_lines(self.path, there))
+        self.made = [entry.pop(_MADE) for entry, _ in lines if _MADE in entry]
         if lines and lines[0][0] != dict(identity):
             differing = _differing(lines[0][0], identity)
             raise DatabaseError(
                 f"{self.path} holds results of another study; what differs: {differing}.",
                 "Undo the change, or begin anew with --force.",
             )
-        self.kept = [entry for entry, _ in lines[1:]]
+        self.kept = [entry for entry, _ in lines[1:] if entry]
         end = lines[-1][1] if lines else 0
         self._file = self.path.open("r+b")
         self._file.truncate(end)
         self._file.seek(end)
         if not lines:
-            self.add(identity)
+            self.add({**identity, _MADE: made})
+        elif made not in self.made:
+            self.add({_MADE: made})
 
     def add(self, result: Mapping[str, Any]) -> None:
         """Keep one more result; it is on the disk when this returns."""

@@ -62,11 +62,16 @@ def _cpu_features() -> dict[str, bool]:
     return dict(getattr(module, "__cpu_features__", {}))
 
 
-def made_elsewhere(provenance: Mapping[str, Any]) -> str:
+def versions_and_processor() -> dict[str, str]:
+    """What the same bytes hang on: versions, and the kind of processor."""
+    return {"contwalk_version": __version__, **kind_of_processor()}
+
+
+def made_elsewhere(*provenances: Mapping[str, Any]) -> str:
     """That what was stored was made by other versions, or on another kind of processor; or ''."""
-    now = {"contwalk_version": __version__, **kind_of_processor()}
-    before = {name: str(provenance[name]) for name in now if name in provenance}
-    other = [f"{name} {before[name]}, now {now[name]}" for name in before if before[name] != now[name]]
+    now = versions_and_processor()
+    before = ((name, str(made[name])) for made in provenances for name in now if name in made)
+    other = [f"{name} {value}, now {now[name]}" for name, value in before if value != now[name]]
     if not other:
         return ""
     return (

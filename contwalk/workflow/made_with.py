@@ -7,16 +7,14 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from contwalk.system import System
-from contwalk.version import __version__
-from contwalk.workflow.machine import kind_of_processor, name_of_machine
+from contwalk.workflow.machine import name_of_machine, versions_and_processor
 
 
 def made_with(path: Path, reference: str, system: System) -> dict[str, str]:
     """Versions, machine, time, run file and plugin."""
     return {
-        "contwalk_version": __version__,
+        **versions_and_processor(),
         "python": sys.version.split()[0],
-        **kind_of_processor(),
         "platform": name_of_machine(),
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
         "run_file": str(path),

@@ -18,6 +18,7 @@ from contwalk.studies.margins.survival import BEYOND
 from contwalk.workflow.basin import BasinResult, basin_of, basin_study
 from contwalk.workflow.basin_files import drawn_basin, write_basin_table
 from contwalk.workflow.basin_points import reached
+from contwalk.workflow.machine import made_elsewhere, versions_and_processor
 from contwalk.workflow.made_with import made_with_but_the_hour
 from contwalk.workflow.many_runs import Executor, Runs
 from contwalk.workflow.margin_rays import row_of
@@ -37,7 +38,7 @@ class MarginsResult:
         ends (the reason code of what is beyond the border), simulations, farthest (the largest push that was
         tried).
     notes : list of str
-        What was left out, and why.
+        What was left out, and why; that a study was begun on another kind of machine.
     files, figures : list of Path
     basin : BasinResult, optional
     """
@@ -98,7 +99,9 @@ def margins(
     plane = None if wanted is None else basin_study(run, study)
     if plane is not None:
         identity |= {"basin": repr(wanted), "solutions known to the basin": plane.attractors.hashes}
-    with Journal(journal, identity, resume) as kept:
+    with Journal(journal, identity, resume, versions_and_processor()) as kept:
+        if elsewhere := made_elsewhere(*kept.made):
+            notes.append(elsewhere)
         check_still_new(kept, names.written(figures), force)
         rows = list(kept.kept[: len(rays)])
         with Runs(row_of, study, jobs, executor) as runs:

@@ -27,7 +27,7 @@ from contwalk.system.loading import files_of
 from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures_of_run import check_figures, drawn
 from contwalk.workflow.going_on import claims_of, differences, header_of_both
-from contwalk.workflow.machine import kind_of_processor, made_elsewhere, name_of_machine
+from contwalk.workflow.machine import made_elsewhere, name_of_machine, versions_and_processor
 from contwalk.workflow.plans import (
     Study,
     all_starts,
@@ -242,13 +242,11 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
     import h5py
 
     from contwalk.plotting.quantities import units_of
-    from contwalk.version import __version__
 
     files = files_of(run_file.system, run_file.system_reference, run_file.path.parent)
     return {
-        "contwalk_version": __version__,
+        **versions_and_processor(),
         "python": sys.version.split()[0],
-        **kind_of_processor(),
         "h5py": h5py.__version__,
         "platform": name_of_machine(),
         "time": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -16,6 +16,7 @@ from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import failures_of
 from contwalk.storage.journal import Journal, check_still_new, check_stopped, going_on_from
 from contwalk.workflow.kept_motions import KeptMotions
+from contwalk.workflow.machine import made_elsewhere, versions_and_processor
 from contwalk.workflow.made_with import made_with_but_the_hour
 from contwalk.workflow.many_runs import Executor, Runs
 from contwalk.workflow.run_file.sample import SampleFile
@@ -62,12 +63,13 @@ class Summary:
 
 @dataclass(frozen=True, eq=False)
 class SampleResult:
-    """What a sampling left behind."""
+    """What a sampling left behind; `note` says that it was begun on another kind of machine, if it was."""
 
     samples: Any
     summary: Summary
     files: list[Path]
     figures: list[Path]
+    note: str = ""
 
 
 @one_thread()
@@ -115,7 +117,7 @@ def sample(
     journal = run.file("samples.journal")
     check_stopped(journal, [database, table, *pictures], resume, force)
     draws = drawn(run, range(run.sampling.count))
-    with Journal(journal, _identity(run, draws), resume) as on_disk:
+    with Journal(journal, _identity(run, draws), resume, versions_and_processor()) as on_disk:
         check_still_new(on_disk, [database, table, *pictures], force)
         kept = KeptMotions(on_disk, run.sampling.count)
         try:
@@ -130,7 +132,7 @@ def sample(
             for path in pictures:
                 _draw(run, samples, summary, path)
         on_disk.remove()
-    return SampleResult(samples, summary, [database, table], pictures)
+    return SampleResult(samples, summary, [database, table], pictures, made_elsewhere(*on_disk.made))
 
 
 def _identity(run: SampleFile, draws: Draws) -> dict[str, Any]:

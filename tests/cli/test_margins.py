@@ -234,7 +234,8 @@ def test_two_processes_and_a_run_that_was_killed_leave_the_same_bytes(contwalk, 
     assert not journal.exists()
 
 
-def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch):
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch, elsewhere):
     import contwalk.workflow.margins as module
 
     contwalk("margins", "oscillator.yaml", "--no-figures")
@@ -249,7 +250,10 @@ def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch):
         return computed(study, ray)
 
     monkeypatch.setattr(module, "row_of", stopped)
-    assert contwalk("margins", "oscillator.yaml", "--no-figures").code == 130
+    with monkeypatch.context() as patched:
+        if elsewhere:
+            patched.setattr(module, "versions_and_processor", lambda: {"processor": "another"})
+        assert contwalk("margins", "oscillator.yaml", "--no-figures").code == 130
     again = contwalk("margins", "oscillator.yaml", "--no-figures")
     assert again.code == 2
     assert "--resume" in again.err
@@ -259,8 +263,11 @@ def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch):
         return computed(study, ray)
 
     monkeypatch.setattr(module, "row_of", counted)
-    assert contwalk("margins", "oscillator.yaml", "--no-figures", "--resume").code == 0
-    assert file.read_bytes() == whole
+    done = contwalk("margins", "oscillator.yaml", "--no-figures", "--resume")
+    assert done.code == 0
+    said = "note: What is stored was made elsewhere (processor another, now " in done.out.replace("\n", " ")
+    assert said == elsewhere
+    assert (file.read_bytes() == whole) == (not elsewhere)  # which keeps the note
 
 
 def test_a_study_that_was_stopped_while_it_wrote_its_files_goes_on(contwalk, oscillator, monkeypatch):

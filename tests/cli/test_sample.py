@@ -201,6 +201,20 @@ def test_what_is_interrupted_keeps_all_that_is_done(contwalk, falling, elsewhere
     assert [file.read_bytes() for file in result.files] == whole
 
 
+def test_what_goes_on_elsewhere_says_so_and_goes_on(contwalk, falling, monkeypatch):
+    def stopped(*others):
+        raise KeyboardInterrupt
+
+    given = ("sample", "s.yaml", "--no-figures")
+    with monkeypatch.context() as patched:
+        patched.setattr(sampling, "versions_and_processor", lambda: {"processor": "another"})
+        patched.setattr(sampling, "measured", stopped)
+        assert contwalk(*given).code == 130
+    done = contwalk(*given, "--resume")
+    assert done.code == 0
+    assert "note: What is stored was made elsewhere (processor another, now " in done.out.replace("\n", " ")
+
+
 def test_a_second_run_into_the_same_journal_is_refused(contwalk, falling):
     given, refused = ("sample", "s.yaml", "--no-figures", "--quiet"), []
 

@@ -43,6 +43,16 @@ def test_what_was_being_written_when_killed_is_dropped_and_what_came_before_is_k
         assert path.read_bytes() == whole
 
 
+def test_all_who_made_results_are_told(tmp_path):
+    path = tmp_path / "j"
+    for made in ({"processor": "one"}, {"processor": "another"}, {"processor": "one"}):
+        with Journal(path, STUDY, resume=True, made=made) as journal:
+            journal.add({"n": len(journal.kept)})
+    with Journal(path, STUDY, resume=True, made=made) as journal:
+        assert journal.kept == [{"n": 0}, {"n": 1}, {"n": 2}]
+        assert journal.made == [{"processor": "one"}, {"processor": "another"}]
+
+
 @pytest.mark.parametrize("damaged", range(3))
 def test_results_before_a_damaged_one_are_kept_and_the_others_are_computed_again(tmp_path, damaged):
     path = tmp_path / "j"
