@@ -21,11 +21,9 @@ from .centre import centre_of_mass
 from .forces import ground_force
 from .model import CLIPPED, TWO_SIDED, Model
 from .motion import toe_place, toe_velocity
-from .states import KNEE, LEGS, Q1, Q2, Q3, TOES, anchor
+from .states import KNEE, KNEE_RATE, LEGS, Q1, Q2, Q3, TOES, anchor
 
-# A toe bears this share of the weight at least, or hardly holds: at lift-off (2) is infinite, for an instant.
-BEARS = 0.1
-# One that bears less than this share is not shown.
+# Of a toe that bears less than this share of the weight no friction is told: at lift-off it is infinite.
 HARDLY = 1e-3
 SAME_TIME = 1e-12
 
@@ -125,9 +123,21 @@ def _largest_load(t: Any, x: Any, p: Any, model: Model) -> Any:
     return up.max() / (total_mass(p, model) * p.g)
 
 
+def _needs(force: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> tuple[Any, Any]:
+    """The friction (2) that a toe needs, and whether it bears weight; shape (k,) each."""
+    bears = on_ground(x, leg, toe) & (force[1] > HARDLY * total_mass(p, model) * p.g)
+    return np.hypot(force[0], force[2]) / np.where(bears, force[1], 1.0), bears
+
+
 def _friction(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
-    side, up, down = force_of_ground(x, p, leg, toe, model)
-    return (np.hypot(side, down) / larger(up, BEARS * total_mass(p, model) * p.g)).max()
+    needed, bears = _needs(force_of_ground(x, p, leg, toe, model), x, p, leg, toe, model)
+    before, here, after = needed[:-2], needed[1:-1], needed[2:]
+    within = bears[:-2] & bears[2:] & (here >= before) & (here >= after)
+    return np.where(within, here, 0.0).max(initial=0.0)
+
+
+def _release(t: Any, x: Any, p: Any) -> Any:
+    return x[KNEE_RATE[1]]
 
 
 def _slipping(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
@@ -148,11 +158,9 @@ def _height(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
 def _friction_needed(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model, axis: int) -> Any:
     """A part of the force along the slope over the normal one; beyond one, its logarithm is added to one."""
     force = force_of_ground(x, p, leg, toe, model)
-    bears = on_ground(x, leg, toe) & (force[1] > HARDLY * total_mass(p, model) * p.g)
-    normal = np.where(bears, force[1], 1.0)
-    size = np.hypot(force[0], force[2]) / normal
+    size, bears = _needs(force, x, p, leg, toe, model)
     shown = np.where(size > 1.0, (1.0 + np.log10(np.where(size > 1.0, size, 1.0))) / size, 1.0)
-    return np.where(bears, shown * force[axis] / normal, np.nan)
+    return np.where(bears, shown * force[axis] / np.where(bears, force[1], 1.0), np.nan)
 
 
 def _centre(t: Any, x: Any, p: Any, model: Model, axis: int) -> Any:
@@ -208,7 +216,7 @@ def make_observables(model: Model) -> tuple[Observable, ...]:
             f"{name}{leg}{toe}", _of(function, leg=leg, toe=toe, model=model), unit, words.format(leg, toe)
         )
         for name, function, unit, words in (
-            ("friction", _friction, "1", "friction (2) that toe {}{} needs while it bears weight"),
+            ("friction", _friction, "1", "largest friction (2) that toe {}{} needs inside its stance"),
             ("slip_time", _slipping, "s", "time in a stride in which toe {}{} needs a friction above 1"),
         )
         for leg in LEGS
@@ -227,6 +235,13 @@ def make_observables(model: Model) -> tuple[Observable, ...]:
             "hip_sway", _hip_sway, "m", "how far T goes across the way of the walker, from side to side"
         ),
         Observable("hyperextension", _hyperextension, "rad", "how far the knees give beyond straight"),
+        Observable(
+            "release",
+            _release,
+            "rad/s",
+            "how fast knee 1 bends where it is first let go",
+            at="knee1_unlocks",
+        ),
         Observable(
             "energy_per_stride", _of(_energy, model=model), "J", "what gravity gives and dampers take"
         ),

@@ -122,7 +122,7 @@ DOCUMENTED: dict[str, list[Told]] = {
     ],
     "walker3d_figure9": [
         *_each("LP", "alpha", "0.1120038", "0.0675183"),
-        *_each("NS", "alpha", "0.0741025"),
+        *_each("NS", "alpha", "0.0741025", "0.0712720"),
         *_each("GR", "alpha", "0.0941206", "0.0891646", "0.0686373", "0.0699931"),
     ],
     "walker3d_no_overlap_inclination": [
@@ -162,6 +162,7 @@ DOCUMENTED: dict[str, list[Told]] = {
         *_each("NS", "c_knee", "0.814767"),
         *_each("BP", "c_knee", "1.115896"),
     ],
+    "walker3d_homotopy_beyond": _each("NS", "path", "0.3390444"),
     "walker3d_homotopy": [
         *_each("NS", "path", "0.2065930", "0.9965817"),
         *_each("BP", "path", "0.2486609", "0.3004937"),
