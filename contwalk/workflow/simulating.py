@@ -317,18 +317,33 @@ def _named(run: SimulationFile, spec: FigureSpec, default: Path) -> Path:
 def _drawn(run: SimulationFile, spec: FigureSpec, path: Path, trajectory: Any) -> Path:
     from contwalk import plotting
 
+    if spec.name == "stick_figure":
+        return plotting.save(_stick_figure(run, trajectory), path)
     units = plotting.units_of(run.system)
     if spec.name == "phase_portrait":
         axes = [spec.options[axis] for axis in ("x", "y", "z") if axis in spec.options]
         _, values = _with_gaps(run, trajectory, axes)
         return plotting.save(plotting.plot_phase_portrait([values], axes, units=units), path)
-    shown = listed(spec.options.get("y")) or list(trajectory.states)
-    times, values = _with_gaps(run, trajectory, shown)
+    asked = listed(spec.options.get("y"))
+    times, values = _with_gaps(run, trajectory, asked or trajectory.states)
+    exist = ~np.isnan(values).all(axis=0) | bool(asked)  # those that no mode has are not even named
+    shown, values = [n for n, k in zip(asked or trajectory.states, exist, strict=True) if k], values[:, exist]
     events: dict[str, list[float]] = {}
     for name, t in zip(trajectory.event_names, trajectory.event_times.tolist(), strict=True):
         events.setdefault(name, []).append(t)
     panels = plotting.plot_time_series_panels(times, values, shown, events=events, units=units)
     return plotting.save(panels[0], path)
+
+
+def _stick_figure(run: SimulationFile, trajectory: Any) -> Any:
+    from contwalk import plotting
+    from contwalk.plotting.machine import walks
+
+    given = run.system, trajectory.times, trajectory.values, run.start.parameters
+    events = list(zip(trajectory.event_times.tolist(), trajectory.event_names, strict=True))
+    if walks(run.system):
+        return plotting.plot_stick_figure(*given, events=events)
+    return plotting.plot_stick_panels(*given, events=events)[0]
 
 
 def _with_gaps(run: SimulationFile, trajectory: Any, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:

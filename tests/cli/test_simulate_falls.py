@@ -10,6 +10,7 @@ import pytest
 from contwalk_systems.planar_walker import SYSTEM as PLANAR
 from contwalk_systems.walker3d import SYSTEM as WALKERS
 
+from contwalk.plotting import stick_figure
 from contwalk.storage.trajectory import read_trajectory
 
 # A pencil on its tip, x'' = x: from rest at x = a it is at a cosh t.
@@ -61,6 +62,20 @@ def pencil(folder):
         plugin = "pencil" if name == "down" else name
         (folder / f"{name}.yaml").write_text(text.format(plugin, x), encoding="utf-8")
     return folder
+
+
+@pytest.fixture
+def drawn_machines(monkeypatch):
+    """Of each stick figure the instants at which the machine is drawn."""
+    found = []
+    own = stick_figure.instants
+
+    def noted(motion, events):
+        found.append(list(own(motion, events)))
+        return found[-1]
+
+    monkeypatch.setattr(stick_figure, "instants", noted)
+    return found
 
 
 def test_a_smooth_motion_ends_where_it_has_fallen(contwalk, pencil):
@@ -129,3 +144,23 @@ def test_the_walker_in_space_falls(contwalk, folder):
     leg = -stored.parameters["knee_y"] - stored.parameters["toe_inner_y"]
     assert height[-1] == pytest.approx(0.6 * leg, abs=1e-9)
     assert (height[:-1] > 0.6 * leg).all()
+
+
+def test_a_stick_figure_shows_the_fall(contwalk, folder, drawn_machines):
+    """At the start, at both strikes, and where it lies, strong; others between them."""
+    more = ["--set", "start.state.u1=-1.0", "--set", "figures=[stick_figure]", "--output", "fall.h5"]
+    done = contwalk("simulate", f"{RUNS}/planar_gait.yaml", *more)
+    assert (done.code, done.err) == (0, "")
+    assert [line for line in done.out.splitlines() if "figure:" in line] == ["figure: fall_stick_figure.png"]
+    assert (folder / "fall_stick_figure.png").exists()
+    stored = read_trajectory(folder / "fall_trajectory.h5")
+    (times,) = drawn_machines
+    assert {stored.times[0], stored.times[-1], *stored.event_times} <= set(times)
+    assert len(times) > 8
+
+
+def test_a_machine_without_a_picture_has_no_stick_figure(contwalk, pencil):
+    done = contwalk("simulate", "pencil.yaml", "--set", "figures=[stick_figure]")
+    assert done.code == 2
+    assert "figures.0.stick_figure: 'pencil' declares no draw." in done.err
+    assert not (pencil / "pencil_trajectory.h5").exists()

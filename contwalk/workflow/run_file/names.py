@@ -36,7 +36,7 @@ DIAGRAM_FIGURES = (
     "phase_portrait",
     "stick_figure",
 )
-MOTION_FIGURES = ("time_series", "phase_portrait")
+MOTION_FIGURES = ("time_series", "phase_portrait", "stick_figure")
 SAMPLE_FIGURES = ("histogram",)
 # each command draws its own
 FIGURES = tuple(dict.fromkeys((*DIAGRAM_FIGURES, *MOTION_FIGURES, *SAMPLE_FIGURES)))

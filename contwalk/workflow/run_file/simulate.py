@@ -123,6 +123,9 @@ def motion_figures(problems: Problems, system: System, model: RunModel) -> tuple
                 f"Give two states, {{phase_portrait: {{x: NAME, y: NAME}}}}. {allowed(system.state_names)}"
             )
             problems.add(key, "says of no plane.", remedy)
+        if "stick_figure" in entry and system.draw is None:
+            remedy = "Remove it, or declare System(..., draw=draw) in the plugin."
+            problems.add(("figures", index, "stick_figure"), f"'{system.name}' declares no draw.", remedy)
     found = figures_of(problems, system, model, MOTION_FIGURES)
     return found or (FigureSpec("time_series"),)
 
