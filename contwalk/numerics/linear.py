@@ -116,6 +116,21 @@ class Factored(Factorization):
         """Condition number of the equilibrated matrix."""
         return float(np.linalg.cond(self._scaled))
 
+    def regular(self, errors: np.ndarray) -> bool:
+        """Whether no matrix is singular whose entries are within errors, shape (n, n), of these.
+
+        The spectral radius of |A^-1| E is below one, in whatever units of equations and unknowns (J. W.
+        Demmel, SIAM J. Matrix Anal. Appl. 13, 10, 1992): a slow state beside a fast one is no matter.
+        """
+        if not np.isfinite(self._scaled).all():
+            return False
+        try:
+            inverse = np.abs(np.linalg.inv(self._scaled))
+        except np.linalg.LinAlgError:
+            return False
+        moved = inverse @ (errors * self.rows[:, None] * self.columns)
+        return bool(np.isfinite(moved).all() and np.abs(np.linalg.eigvals(moved)).max() < 1.0)
+
     def error(self, levels: np.ndarray, weights: np.ndarray) -> float:
         """What errors `levels` (m,) of the first equations do to the solution in the metric (n,), at most."""
         count = len(levels)

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.numerics import krein
-from contwalk.numerics.linear import balanced
+from contwalk.numerics.linear import EPSILON, balanced
 
-EPSILON = float(np.finfo(float).eps)
 # A sum that is no more than this part of its terms is rounding of zero.
 ROUNDED = 1e-12
 
@@ -77,6 +76,40 @@ def complement(generators: np.ndarray) -> np.ndarray:
     return q[..., generators.shape[-1] :]
 
 
+def quotient(
+    matrix: np.ndarray, rate: np.ndarray, rounding: np.ndarray, generators: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A, its rate and its error bounds, shape (n - k, n - k), with one state less for each generator.
+
+    Of what is conserved, g A = 0, a state is told by the others; along a neutral direction, A g = 0, the
+    others count from where a state is. It is the state whose entries bring the least error to where they come
+    to stand: an orthonormal basis would add those of the fastest one to all others, and leave nothing of what
+    is slower than it by the inverse of the rounding unit.
+    """
+    while generators.shape[1]:
+        conserved = np.abs(generators.T @ matrix).sum(axis=1) < np.abs(matrix @ generators).sum(axis=0)
+        errors = EPSILON * np.abs(matrix) + rounding
+        sizes = np.abs(generators.T)
+        brought = np.where(conserved[:, None], sizes @ errors, sizes @ errors.T)
+        brought = np.divide(brought, sizes, out=np.full(sizes.shape, np.inf), where=sizes > 0.0)
+        row, i = np.unravel_index(int(np.argmin(brought)), brought.shape)
+        shares, by_others = generators[:, row] / generators[i, row], bool(conserved[row])
+        errors = _without(errors, int(i), np.abs(shares), by_others)
+        matrix, rate = (_without(m, int(i), -shares, by_others) for m in (matrix, rate))
+        rounding = errors
+        taken = np.outer(shares, generators[i])
+        rest = generators - taken
+        rest[np.abs(rest) <= 4.0 * EPSILON * np.abs(taken)] = 0.0
+        generators = np.delete(np.delete(rest, i, axis=0), row, axis=1)
+    return matrix, rate, rounding
+
+
+def _without(m: np.ndarray, i: int, shares: np.ndarray, by_others: bool) -> np.ndarray:
+    """A matrix, shape (n, n), without state i: its column, or its row, goes to the others by shares."""
+    moved = m + (np.outer(m[:, i], shares) if by_others else np.outer(shares, m[i]))
+    return np.delete(np.delete(moved, i, axis=0), i, axis=1)
+
+
 def keeps_volumes(matrix: np.ndarray, rate: np.ndarray, rounding: np.ndarray) -> bool:
     """Whether two eigenvalues are lambda and -lambda all along a branch: their sum is zero, and stays so.
 
@@ -107,16 +140,14 @@ def spectrum(
     rounding : ndarray, shape (n, n)
         Absolute error bounds of its entries.
     generators : ndarray, shape (n, k), optional
-        Neutral directions with A g = 0: their zero eigenvalues are left out by going over to the quotient
-        space.
+        Neutral directions with A g = 0, or gradients of what is conserved, g A = 0: their zero eigenvalues
+        are left out by going over to the `quotient`.
     zeros : int
         How many further eigenvalues, the smallest ones, belong to neutral directions without a generator.
     """
     matrix = np.where(np.abs(matrix) <= 2.0 * rounding, 0.0, matrix)  # noise would mislead the balancing
     if generators is not None and generators.size:
-        # A g = 0, so A is block triangular in (g, complement): the rest of the spectrum is that of Q' A Q.
-        q = complement(generators)
-        matrix, rate, rounding = q.T @ matrix @ q, q.T @ rate @ q, np.abs(q.T) @ rounding @ np.abs(q)
+        matrix, rate, rounding = quotient(matrix, rate, rounding, generators)
     if not len(matrix):
         return Spectrum(np.zeros(0, dtype=complex), np.zeros(0), np.zeros(0))
     scaled, d = balanced(matrix, one_way=True)
@@ -128,17 +159,20 @@ def spectrum(
     # Where eigenvectors meet, their inverse overflows: the errors are infinite then, and say so.
     with np.errstate(over="ignore", invalid="ignore"):
         # The two-sided Rayleigh quotient is second-order accurate in the vectors: what is left are the
-        # roundings of its own terms, those of the entries of A, and the square of what the eigenvalue
-        # algorithm leaves behind.
-        values = _quotients(left, scaled, right).astype(complex)
+        # roundings of its own terms, those of the entries of A, and what the eigenvalue algorithm leaves
+        # beside the diagonal, by twos and over what lies between (G. W. Stewart & J. Sun, 1990, IV.2.3): of
+        # a slow one beside fast ones that is far less than the part of the norm that any may have.
+        product = left @ scaled @ right
+        values = product.diagonal().astype(complex)
         rounded = rounding / d[:, None] * d + 4.0 * EPSILON * np.abs(scaled)
-        sensitivity = _quotients(np.abs(left), rounded, np.abs(right))
+        sensitivity = np.abs(left) @ rounded @ np.abs(right)
         norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
         backward = EPSILON * np.linalg.norm(scaled) * norms
+        beside = np.abs(product) + sensitivity
         gaps = np.abs(values[:, None] - values)
         gaps.flat[:: len(values) + 1] = np.inf
-        left_behind = backward**2 / np.maximum(gaps.min(axis=1), 1e-300)
-        errors = sensitivity + np.minimum(backward, left_behind)
+        left_behind = (beside * beside.T / np.maximum(gaps, 1e-300)).sum(axis=1)
+        errors = sensitivity.diagonal() + np.minimum(backward, left_behind)
         moving = _quotients(left, rate / d[:, None] * d, right).astype(complex)
     # Real matrices have exact conjugates; LAPACK lists each pair next to each other.
     real = found.imag == 0.0

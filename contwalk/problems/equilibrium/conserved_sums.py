@@ -11,7 +11,8 @@ from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquat
 PLACES, AWAY = 4, 0.1
 # Singular values below this part of the largest are zero: fields are rounded to 1e-16 of their terms.
 ZERO = 1e-12
-# A weight this near to a number of so many decimals is that.
+# A weight this near to a number of so many digits, or to none in like units, is that; and a sum moves by no
+# more of what its terms do.
 EXACT, DIGITS = 1e-11, 6
 
 
@@ -36,24 +37,49 @@ def conserved_sums(problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray:
     matrix = np.hstack(columns)
     if not np.all(np.isfinite(matrix)):
         return none
-    matrix = matrix / np.maximum(np.abs(matrix).max(axis=0), np.finfo(float).tiny)
-    left, sizes, _ = np.linalg.svd(matrix)
-    rank = int(np.count_nonzero(sizes > ZERO * sizes[0])) if sizes[0] > 0.0 else 0
-    return _echelon(left[:, rank:].T)
+    units, weights, seen = np.ones(n), none, matrix
+    for _ in range(n):  # a state's weight may be found after another's
+        seen = seen / np.maximum(np.abs(seen).max(axis=0), np.finfo(float).tiny)
+        left, sizes, _ = np.linalg.svd(seen)
+        rank = int(np.count_nonzero(sizes > ZERO * sizes[0])) if sizes[0] > 0.0 else 0
+        found = _echelon(left[:, rank:].T)
+        factors = _alike(np.abs(seen), np.abs(found).max(axis=0, initial=0.0))
+        seen, units, weights = seen * factors[:, None], units * factors, found * units
+    missed = np.abs(weights @ matrix) > EXACT * (np.abs(weights) @ np.abs(matrix))
+    return _as_written(weights[~missed.any(axis=1)])
+
+
+def _alike(sizes: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """Factors of rates, shape (n,), after which all weights are about one: none is lost in rounding then.
+
+    Of entries with these sizes, shape (n, c), weights `own` are known, shape (n,). Where one is zero it may
+    be lost: it is no larger than what the others, in each column, are against it.
+    """
+    others = own @ sizes
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bounds = np.where(sizes > 0.0, others / sizes, np.inf).min(axis=1)
+    return np.where(own > 0.0, own, np.where((bounds > 0.0) & (bounds < 1.0), bounds, 1.0))
 
 
 def _echelon(rows: np.ndarray) -> np.ndarray:
-    """The same space by rows of which each has a state of its own, with the weight 1."""
+    """The same space of weights, rows of shape (k, n), by rows of which each has a state of its own."""
     rows = rows.copy()
     for k in range(len(rows)):
-        pivot = np.unravel_index(int(np.argmax(np.abs(rows[k:]))), rows[k:].shape)
+        sizes = np.round(np.abs(rows[k:]), DIGITS)  # of two that are alike the first
+        pivot = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
         row, column = int(pivot[0]) + k, int(pivot[1])
         rows[[k, row]] = rows[[row, k]]
         rows[k] /= rows[k, column]
         others = np.arange(len(rows)) != k
         rows[others] -= np.outer(rows[others, column], rows[k])
-    near = np.round(rows, DIGITS)
-    rows = np.where(np.abs(rows - near) < EXACT, near, rows)
-    for row in rows:  # as one writes them
-        row *= np.sign(row[np.flatnonzero(row)[0]])
+    rows[np.abs(rows) < EXACT] = 0.0
+    return rows
+
+
+def _as_written(rows: np.ndarray) -> np.ndarray:
+    """Weights, shape (k, n), of which the largest is 1 in each row and the first one positive."""
+    for row in rows:
+        row /= np.abs(row).max() * np.sign(row[np.flatnonzero(row)[0]])
+        near = np.array([float(f"{weight:.{DIGITS}g}") for weight in row])
+        row[:] = np.where(np.abs(row - near) < EXACT * np.abs(row), near, row)
     return rows

@@ -163,6 +163,17 @@ class EquilibriumEquations(Problem):
         jacobian[:n, :n][np.abs(jacobian[:n, :n]) <= noise] = 0.0
         return jacobian
 
+    def errors_of_matrix(self, z: np.ndarray) -> np.ndarray:
+        """Bounds of the rounding of F_u, (N, N), at a z that is only known to half an ulp itself."""
+        inputs, n, size = self.inputs(z), self.states, self.size
+        errors = np.zeros((size, size))
+        errors[:n, :n] = self.kernels.rounding_of_matrix(*inputs)
+        for k in np.flatnonzero(z):
+            along = np.zeros(len(z))
+            along[k] = z[k]
+            errors += np.abs(self.kernels.jacobian_of_first(*inputs, along.tolist())[:, :size])
+        return EPSILON * (errors + size * np.abs(self.jacobian(z)[:, :size]))
+
     def solve_states(self, z: np.ndarray, right: np.ndarray) -> np.ndarray:
         """A^-1 right, with the pins in place, shape (n,)."""
         full = np.append(right, np.zeros(self.size - self.states))

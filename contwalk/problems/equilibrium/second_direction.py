@@ -8,7 +8,6 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import (
-    EPSILON,
     Factored,
     bordered_by,
     critical_pair,
@@ -37,13 +36,9 @@ def second_direction(problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray
     """
     jacobian = problem.jacobian(z)
     matrix = jacobian[:, : problem.size]
-    pair = critical_pair(matrix)
-    n = problem.states
-    entries = np.zeros_like(matrix)
-    entries[:n, :n] = EPSILON * problem.kernels.rounding_of_matrix(*problem.inputs(z))
-    error = pair.error + float(np.abs(pair.left) @ entries @ np.abs(pair.right))
-    if abs(pair.value) > 10.0 * error:
+    if Factored(matrix).regular(10.0 * problem.errors_of_matrix(z)):
         return None
+    pair = critical_pair(matrix)
     column = jacobian[:, -1]
     seen, terms = abs(pair.left @ column), np.abs(pair.left) @ np.abs(column)
     noise = 1e-12 * np.linalg.norm(pair.left) * np.linalg.norm(column)
