@@ -10,6 +10,7 @@ import numpy as np
 from contwalk.errors import PluginError
 from contwalk.numerics.broyden import broyden_step
 from contwalk.numerics.linear import norm_in
+from contwalk.problems.linearization import LARGEST_MAGNITUDE
 from contwalk.problems.problem import Linearization, Problem, equations_at
 
 # Residuals this many times above their rounding error still count as solved: the bound is of first order.
@@ -134,8 +135,11 @@ def correct(
                 found = _iterated(equations, guess, condition, iterations, damped)
             if not damped and (not found.ok or found.iterations >= LABORIOUS):
                 found = _with_fitted(equations, guess, normal, weights, iterations, found)
-            if found.ok:
+            if found.ok and (damped or norm_in(found.z - guess, weights) <= LARGEST_MAGNITUDE):
                 return _without_dust(found, weights)
+            if found.ok:  # what is rounding there is none here
+                sentence = "Newton's method runs off."
+                found = replace(found, reason="no_convergence", explanation=sentence)
             first = equations.at(guess)
             if first.finite and first.excess <= 2.0:  # a solution, at a point too singular for corrections
                 return equations.ended(guess, first, 0)

@@ -34,7 +34,7 @@ def found(field, states, parameters, state, multiplicity=2):
 def test_all_directions_of_a_cube_are_found(states):
     """(3^k - 1) / 2 of them: every pattern of 0, 1 and -1, up to its sign."""
     names = "xyzw"[:states]
-    directions = found(cubic(states), names, {"m": 0.0, "b": 0.5}, np.zeros(states), states)
+    directions = found(cubic(states), names, {"m": 0.0, "b": 0.5}, np.zeros(states), states).branches
     patterns = set()
     for each in directions:
         x = each.tangent[:-1] / np.abs(each.tangent[:-1]).max()
@@ -49,7 +49,8 @@ def test_all_directions_of_a_cube_are_found(states):
 
 
 def test_directions_in_a_circle_are_not_told_apart():
-    assert found(cubic(2), "xy", {"m": 0.0, "b": 0.0}, np.zeros(2)) == []
+    circle = found(cubic(2), "xy", {"m": 0.0, "b": 0.0}, np.zeros(2))
+    assert (circle.branches, circle.family, circle.standing) == ([], 1, False)
 
 
 def competing(t, x, p, dx):

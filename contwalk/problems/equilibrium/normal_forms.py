@@ -13,6 +13,8 @@ from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquat
 
 # How many roundings away a solution is looked at to tell how well a coefficient is known.
 ROUNDINGS = 4.0
+# A coefficient has a sign if it is this many times its estimated error.
+SURE = 10.0
 
 
 class Forms:

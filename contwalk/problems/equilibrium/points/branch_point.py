@@ -17,8 +17,8 @@ from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.equilibrium.defining_systems import dot, solve
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
-from contwalk.problems.equilibrium.normal_forms import Forms, critical_vectors, rounded
-from contwalk.problems.equilibrium.points.point import SURE, EquilibriumPoint, Form
+from contwalk.problems.equilibrium.normal_forms import SURE, Forms, critical_vectors, rounded
+from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.equilibrium.second_direction import (
     EQUAL,
     branch_point_seeds,

@@ -16,9 +16,9 @@ from contwalk.numerics.linear import EPSILON, nearest_eigenpair
 from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems.equilibrium.defining_systems import dot, solve
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
-from contwalk.problems.equilibrium.normal_forms import rounded
+from contwalk.problems.equilibrium.normal_forms import SURE, rounded
 from contwalk.problems.equilibrium.points.lyapunov import lyapunov
-from contwalk.problems.equilibrium.points.point import SURE, EquilibriumPoint, Form
+from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 ZERO_TOO = "degenerate: an eigenvalue is zero as well, so there is no first Lyapunov coefficient"

@@ -15,7 +15,7 @@ from contwalk.numerics.linear import balanced
 from contwalk.problems.equilibrium.defining_systems import VANISHED, real_eigenvalue
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
-from contwalk.problems.equilibrium.several_directions import leaving
+from contwalk.problems.equilibrium.several_directions import Directions, leaving
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 # An unknown is zero but for rounding if it is this part of how far it moves: it would hide a symmetry.
@@ -40,15 +40,15 @@ class MultipleZero(EquilibriumPoint):
         """How many eigenvalues vanish, and how many branches leave."""
         many = located.vectors["multiplicity"]
         found = leaving(problem, located.z, located.error, sample.tangent, many)
-        others = f"{len(found)} other branches leave" if found else _UNKNOWN
-        note = f"{many} real eigenvalues vanish together: {others}"
+        note = f"{many} real eigenvalues vanish together: {_told(problem, found)}"
         return None, None, {"multiplicity": many}, note
 
     def seeds(self, problem: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
         """All branches that leave."""
         z, parent = np.array(point.unknowns), np.array(point.tangent)
         many, error = int(point.coefficients["multiplicity"]), point.error or 0.0
-        found = leaving(problem, z, error, parent, many) or ()
+        directions = leaving(problem, z, error, parent, many)
+        found = () if directions is None else directions.branches
         far = abs(float(z[-1])) or 1.0
         starts = [np.where(np.abs(z) <= DUST * each.reach(far), 0.0, z) for each in found]
         return [
@@ -59,6 +59,24 @@ class MultipleZero(EquilibriumPoint):
     def has(self, point: SpecialPoint) -> bool:
         """A branch point with a multiplicity."""
         return point.label == self.label and "multiplicity" in point.coefficients
+
+
+def _told(problem: EquilibriumEquations, found: Directions | None) -> str:
+    """What leaves, as a clause."""
+    if found is None or not (found.branches or found.family):
+        return _UNKNOWN
+    told = [f"{len(found.branches)} other branches leave"] if found.branches else []
+    if found.standing:
+        told.append(
+            f"a family of dimension {found.family} lies at this value of {problem.free}, as far as terms up "
+            "to the third order tell; its members are not followed"
+        )
+    elif found.family:
+        told.append(
+            f"branches leave in families of dimension {found.family}, as of a continuous symmetry; they are "
+            "not followed (declare the symmetry with neutral=(Neutral(...),))"
+        )
+    return ", and ".join(told)
 
 
 def multiple_zero(problem: EquilibriumEquations, sample: Sample) -> Located | None:

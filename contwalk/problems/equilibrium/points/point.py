@@ -9,9 +9,6 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.problem import Located, PointType, Sample
 
-# A coefficient has a sign if it is this many times its estimated error.
-SURE = 10.0
-
 # Kind, criticality, coefficients and note of a special point.
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
 

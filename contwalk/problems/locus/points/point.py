@@ -17,8 +17,6 @@ from contwalk.problems.locus.curves import Curve
 from contwalk.problems.locus.plane import Plane
 from contwalk.problems.problem import Located, Sample, Seed
 
-# A coefficient has a sign if it is this many times its estimated error.
-SURE = 10.0
 # A kappa this small against where Newton's method began is the double zero, which solves the same equations.
 DEGENERATE = 1e-6
 
