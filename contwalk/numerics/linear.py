@@ -261,25 +261,71 @@ def nearest_eigenpair(matrix: np.ndarray, value: complex) -> EigenPair:
     return EigenPair(complex(values[k]), q, p, EPSILON * float(np.linalg.norm(scaled)) * condition)
 
 
-def critical_pair(matrix: np.ndarray) -> EigenPair:
+def critical_pair(matrix: np.ndarray, errors: np.ndarray | None = None) -> EigenPair:
     """Null vectors q and p of a real (n, n) matrix that is nearly singular: |q| = 1 and p.q = 1.
 
     They are singular vectors of the balanced matrix. Balancing does not change eigenvalues, so a small one
     cannot hide behind units as it can behind a scaling of rows and columns; and singular vectors are
     accurate where a double zero makes eigenvectors meet. There, with p.q = 0, p is scaled by p.r = 1 with A
-    r = q.
+    r = q. Where `errors` of the entries are known, shape (n, n), they tell which of several small eigenvalues
+    is zero, and whether p.q is: one that is slow is no more zero than another.
     """
-    scaled, d = balanced(matrix, one_way=True)
+    if errors is None:
+        scaled, d = balanced(matrix, one_way=True)
+        rows, columns = 1.0 / d, d
+    else:
+        rows, columns = _by_errors(matrix, errors)
+        scaled = matrix * rows[:, None] * columns
     u, values, vh = np.linalg.svd(scaled)
     # In balanced units every entry is as large as it matters; what is far below is noise.
     v, w = (np.where(np.abs(x) < 1e-13, 0.0, x) for x in (vh[-1], u[:, -1]))
+    error = EPSILON * float(values[0]) * len(values)
+    if errors is not None:
+        return _refined_pair(matrix, errors, v * columns, w * rows)
     product = float(w @ v)
     if abs(product) < 1e-6:
         generalized = np.linalg.lstsq(scaled, v, rcond=1e-9)[0]
         product = float(w @ generalized) if abs(w @ generalized) > 1e-12 else 1.0
     length = float(np.linalg.norm(v * d))
-    error = EPSILON * float(values[0]) * len(values)
     return EigenPair(float(values[-1]), v * d / length, w / d * (length / product), error)
+
+
+def _by_errors(matrix: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Factors of rows and columns, shape (n,), after which all rows are known to the same: that to which the
+    errors make the matrix singular first.
+
+    With h the Perron vector of |A^-1| E they are 1 / (E h) and h (as in `Factored.regular`).
+    """
+    size = len(matrix)
+    units = equilibration(np.abs(matrix) + errors)
+    known = errors * units[0][:, None] * units[1]
+    least = EPSILON**2 * np.maximum(known.max(), 1.0)  # what is zero exactly is known to as good as that
+    known = known + least * np.eye(size)
+    scaled = matrix * units[0][:, None] * units[1]
+    inverse = np.abs(np.linalg.pinv(scaled + least * np.eye(size), rcond=0.0))
+    values, vectors = np.linalg.eig(inverse @ known)
+    perron = np.abs(vectors[:, int(np.argmax(np.abs(values)))])
+    perron = np.maximum(perron, EPSILON**2 * perron.max())
+    return units[0] / (known @ perron), units[1] * perron
+
+
+def _refined_pair(matrix: np.ndarray, errors: np.ndarray, q: np.ndarray, p: np.ndarray) -> EigenPair:
+    """Null vectors near given ones, shape (n,), all entries as exact as the matrix, shape (n, n), tells."""
+    size, unit = len(matrix), np.append(np.zeros(len(matrix)), 1.0)
+    q, p = q / np.linalg.norm(q), p / np.linalg.norm(p)
+    bordered = Factored(np.block([[matrix, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+    try:
+        q, p = bordered.solve(unit)[:size], bordered.solve_adjoint(unit)[:size]
+        inverse = bordered.solve(np.eye(size + 1))[:size, :size]
+    except np.linalg.LinAlgError:  # more than one is zero
+        inverse = np.zeros_like(matrix)
+    q = q / np.linalg.norm(q)
+    product = float(p @ q)
+    apart = np.abs(inverse)
+    if abs(product) <= float(np.abs(p) @ (errors @ apart + apart @ errors) @ np.abs(q)):
+        product = float(p @ inverse @ q) or 1.0
+    p = p / product
+    return EigenPair(float(p @ matrix @ q), q, p, float(np.abs(p) @ errors @ np.abs(q)))
 
 
 def solution_plane(jacobian: np.ndarray, pair: EigenPair) -> np.ndarray:

@@ -191,8 +191,8 @@ class Mirror:
             pair = nearest_eigenpair(problem.jacobian(z)[:n, :n], 1j * point.coefficients["omega"])
             ratio = float(np.linalg.norm(derivative[:n, :n] @ pair.right) / np.linalg.norm(pair.right))
         else:
-            q = critical_vectors(problem.jacobian(z)[:, :size])[0]
-            own = critical_vectors(problem.jacobian(there)[:, :size])[0]
+            q = critical_vectors(problem, z)[0]
+            own = critical_vectors(problem, there)[0]
             ratio = float(own @ derivative[:size, :size] @ q)
         sign = float(np.sign(ratio))
         return sign if abs(abs(ratio) - 1.0) < ISOMETRIC else ratio

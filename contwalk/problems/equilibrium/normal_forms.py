@@ -40,12 +40,12 @@ class Forms:
         return self._kernels.third(*self._inputs, self._padded(v), self._padded(w), self._padded(y))
 
 
-def critical_vectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """q and p of a singular matrix, |q| = 1, p.q = 1 (or |p| = 1 where p.q vanishes, a double zero).
+def critical_vectors(problem: EquilibriumEquations, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """q and p of F_u where it is singular, |q| = 1, p.q = 1, or as of a double zero where p.q vanishes.
 
-    Both have the shape (n,), the matrix (n, n). The sign of q makes its largest entry positive.
+    Both have the shape (N,), z (N + 1,). The sign of q makes its largest entry positive.
     """
-    pair = critical_pair(matrix)
+    pair = critical_pair(problem.jacobian(z)[:, : problem.size], problem.errors_of_matrix(z))
     q, p = pair.right.real, pair.left.real
     sign = np.sign(q[np.argmax(np.abs(q))])
     return sign * q, sign * p

@@ -36,9 +36,10 @@ def second_direction(problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray
     """
     jacobian = problem.jacobian(z)
     matrix = jacobian[:, : problem.size]
-    if Factored(matrix).regular(10.0 * problem.errors_of_matrix(z)):
+    errors = problem.errors_of_matrix(z)
+    if Factored(matrix).regular(10.0 * errors):
         return None
-    pair = critical_pair(matrix)
+    pair = critical_pair(matrix, errors)
     column = jacobian[:, -1]
     seen, terms = abs(pair.left @ column), np.abs(pair.left) @ np.abs(column)
     noise = 1e-12 * np.linalg.norm(pair.left) * np.linalg.norm(column)

@@ -120,7 +120,7 @@ def _asymmetry(
 def branch_point(problem: EquilibriumEquations, sample: Sample) -> Located | None:
     """The simple branch point near a sample; None where the nearest one is unfolded (mu is not zero)."""
     there = problem.jacobian(sample.z)
-    left = critical_pair(there[:, : problem.size]).left.real
+    left = critical_pair(there[:, : problem.size], problem.errors_of_matrix(sample.z)).left.real
     # Along a vertical branch F_u is singular everywhere, and beside a fold for another reason: DF tells.
     located = None if sample.still else _branch_point_from(problem, sample, left)
     if located is not None:
@@ -185,20 +185,23 @@ def branch_point_coefficients(
     With q the null vector of F_u and h solving F_u h = -F_lambda, the branches leave along s q + t h, where
     c11 s^2 + 2 c12 s t + c22 t^2 = 0 (Keller 1977). c11 = 0: one branch has no component in the parameter,
     a pitchfork, and the cubic coefficient c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q))) / 6 decides. Its error is
-    how far it moves while the solution moves by roundings of its own and of its weights, shape (N + 1,).
+    how far it moves while the solution moves by roundings of its own and of its weights, shape (N + 1,), and
+    F_u by its errors, so that c is not known where another eigenvalue is hardly known from zero.
     "q" of the result has the shape (N,).
     """
     size, z = problem.size, located.z
     jacobian = problem.jacobian(z)
-    q, p = critical_vectors(jacobian[:, :size])
+    q, p = critical_vectors(problem, z)
     h = _bordered(jacobian[:, :size], q, p).solve(np.append(-jacobian[:, -1], 0.0))[:size]
     forms = Forms(problem, z)
     q1, h1 = np.append(q, 0.0), np.append(h, 1.0)
     c11 = float(p @ forms.second(q1, q1))
     c12 = float(p @ forms.second(q1, h1))
     c22 = float(p @ forms.second(h1, h1))
-    c = _cubic(problem, z, q, p)
-    c_error = max(abs(_cubic(problem, moved, q, p) - c) for moved in rounded(z, weights))
+    matrix, errors = jacobian[:, :size], problem.errors_of_matrix(z)
+    c = _cubic(problem, z, matrix, q, p)
+    moves = zip(rounded(z, weights), (errors, -errors), strict=True)
+    c_error = max(abs(_moved_cubic(problem, there, more, q, p) - c) for there, more in moves)
     # How far the parameter moves while the unknowns move by their typical magnitudes along q, to second and
     # to third order, against its own magnitude.
     reach = 1.0 / float(np.linalg.norm(q / weights[:-1]))
@@ -208,14 +211,28 @@ def branch_point_coefficients(
     return {"c11": c11, "c12": c12, "c22": c22, "c": c, "c_error": c_error, "q": q}
 
 
-def _cubic(problem: EquilibriumEquations, z: np.ndarray, q: np.ndarray, p: np.ndarray) -> float:
+def _cubic(
+    problem: EquilibriumEquations, z: np.ndarray, matrix: np.ndarray, q: np.ndarray, p: np.ndarray
+) -> float:
     """c of the reduced equation along the critical vector, zero where it is nothing against its terms."""
     size, forms = problem.size, Forms(problem, z)
-    matrix = problem.jacobian(z)[:, :size]
     h2 = _bordered(matrix, q, p).solve(np.append(forms.second(q, q), 0.0))[:size]
     cubic, mixed = forms.third(q, q, q), 3.0 * forms.second(q, h2)
     c = float(p @ (cubic - mixed)) / 6.0
     return c if abs(6.0 * c) > EQUAL * float(np.abs(p) @ (np.abs(cubic) + np.abs(mixed))) else 0.0
+
+
+def _moved_cubic(
+    problem: EquilibriumEquations, z: np.ndarray, more: np.ndarray, q: np.ndarray, p: np.ndarray
+) -> float:
+    """c at a place beside the point, with F_u changed by as much as it is not known to, shape (N, N)."""
+    size, signs = problem.size, np.cos(np.arange(1.0, problem.size + 1.0))  # none of a machine's symmetries
+    matrix = problem.jacobian(z)[:, :size] + more * np.sign(np.outer(signs, signs[::-1]))
+    unit = np.append(np.zeros(size), 1.0)
+    bordered = _bordered(matrix, q, p)
+    right, left = bordered.solve(unit)[:size], bordered.solve_adjoint(unit)[:size]
+    right = right / np.linalg.norm(right)
+    return _cubic(problem, z, matrix, right, left / float(left @ right))
 
 
 def _bordered(matrix: np.ndarray, q: np.ndarray, p: np.ndarray) -> Factored:

@@ -41,7 +41,7 @@ def fold_coefficients(problem: EquilibriumEquations, located: Located) -> dict[s
     `b` = p.f_lambda, mu being the free parameter minus its value at the fold.
     """
     jacobian = problem.jacobian(located.z)
-    q, p = critical_vectors(jacobian[:, : problem.size])
+    q, p = critical_vectors(problem, located.z)
     forms = Forms(problem, located.z)
     return {
         "a": 0.5 * float(p @ forms.second(q, q)),
