@@ -43,7 +43,6 @@ def grown(
             continue
         if any(_at_once(point, other) for other in several):
             continue  # pairs that a symmetry makes one: the cycles of all of them have left the first
-        daughters = number
         less = () if point.index not in returned or _left(start, point) else _parent(plan, problem, point)
         below = _openings(plan, problem, kind, point)
         for opening, daughter in chain(zip(below, repeat(True)), zip(less, repeat(False))):
@@ -60,7 +59,7 @@ def grown(
                 would_be=born_of(problem, point.label) if isinstance(opening, Outcome) else {},
             )
             number += 1
-        if number > daughters + 1 and kind.births:
+        if "multiplicity" in point.coefficients:
             several.append(point)
 
 

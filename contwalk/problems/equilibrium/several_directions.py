@@ -190,7 +190,7 @@ class _Branching:
         equations, starts, same = self._transcritical() if bends else self._pitchforks()
         others = [each._transcritical()[0] if bends else each._pitchforks()[0] for each in beside]
         branches, family, standing = [], 0, False
-        for u in _solutions(equations, starts, same):
+        for u in solutions(equations, starts, same):
             matrix = equations(u)[1]
             apart = [np.abs(other(u)[1] - matrix) for other in others]
             errors = SURE * np.maximum.reduce(apart)
@@ -283,7 +283,7 @@ def _ways(k: int) -> Iterator[np.ndarray]:
         yield way / np.linalg.norm(way)
 
 
-def _solutions(
+def solutions(
     equations: Equations, starts: Iterator[np.ndarray], same: Callable[[np.ndarray, np.ndarray], bool]
 ) -> list[np.ndarray]:
     """What Newton's method finds from some starts, each once, in the order of the starts."""

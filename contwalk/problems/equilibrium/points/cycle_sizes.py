@@ -50,6 +50,8 @@ class CycleSizes:
         units = np.where(np.isfinite(scales), scales, 1.0)
         self._faint = FAINT * float((self._first / units).max()) * units
         self._by_itself = self._first > self._faint
+        if right is not None:  # what other pairs move stands still here, and could move as much
+            self._faint = np.maximum(self._faint, 2.0 * np.linalg.norm(self._space.right, axis=1))
         self._shift = np.abs(equilibrium.solve_states(z, jacobian[:n, -1]))
         self._inverses = [self._inverse(k) for k in range(HARMONICS + 1)]
 

@@ -19,8 +19,11 @@ from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquat
 from contwalk.problems.equilibrium.normal_forms import SURE, rounded
 from contwalk.problems.equilibrium.points.lyapunov import lyapunov
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
+from contwalk.problems.equilibrium.points.several_waves import waves_at
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
+# What a critical vector has for itself, where there are several.
+OF_ONE = ("l1", "l1_error", "convention")
 ZERO_TOO = "degenerate: an eigenvalue is zero as well, so there is no first Lyapunov coefficient"
 
 
@@ -44,7 +47,16 @@ class Hopf(EquilibriumPoint):
         except np.linalg.LinAlgError:  # A is singular: right at a fold
             return None, None, {"omega": float(located.vectors["omega"])}, ZERO_TOO
         criticality, note = _criticality(problem, coefficients)
-        return None, criticality, coefficients, note
+        waves = waves_at(problem, located.z, coefficients["omega"])
+        if waves is None:
+            return None, criticality, coefficients, note
+        # Along any other vector the coefficient is another one.
+        each = [hopf_coefficients(problem, located, sample.weights, q) for q in waves.vectors]
+        kinds = [_criticality(problem, own)[0] for own in each]
+        told = {name: value for name, value in coefficients.items() if name not in OF_ONE}
+        sentence = waves.sentence(problem.system.state_names, kinds)
+        common = kinds[0] if len(set(kinds)) == 1 else None
+        return None, common, told | {"multiplicity": waves.pairs}, sentence
 
     def seeds(self, problem: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
         """The cycle that is born."""
@@ -175,15 +187,19 @@ def _complex_as_real(a: np.ndarray, omega: float) -> np.ndarray:
 # -- the normal form ---------------------------------------------------------------------------------------
 
 
-def hopf_coefficients(problem: EquilibriumEquations, located: Located, weights: np.ndarray) -> dict[str, Any]:
+def hopf_coefficients(
+    problem: EquilibriumEquations, located: Located, weights: np.ndarray, along: np.ndarray | None = None
+) -> dict[str, Any]:
     """First Lyapunov coefficient with its estimated error, and how fast the pair crosses.
 
-    The weights have the shape (N + 1,). The error is how far l1 moves while
-    the solution moves by roundings of its own and of its weights, and a rounding of the terms that l1 is the
-    sum of: where all of them are imaginary, as in a conservative machine, their real parts are rounding.
+    The weights have the shape (N + 1,), a critical vector (n,), where there are several. The error is how far
+    l1 moves while the solution moves by roundings of its own and of its weights, and a rounding of the terms
+    that l1 is the sum of: where all of them are imaginary, as in a conservative machine, their real parts are
+    rounding.
     """
     omega = float(located.vectors["omega"])
-    q = located.vectors["right"] / np.linalg.norm(located.vectors["right"])
+    q = located.vectors["right"] if along is None else along
+    q = q / np.linalg.norm(q)
     here = lyapunov(problem, located.z, omega, q)
     moved = [lyapunov(problem, z, omega, q).l1 for z in rounded(located.z, weights)]
     return {

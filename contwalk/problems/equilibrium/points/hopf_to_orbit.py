@@ -10,7 +10,8 @@ from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
-from contwalk.problems.equilibrium.points.symmetric_vectors import keeps, linear_image, symmetric_vectors
+from contwalk.problems.equilibrium.points.several_waves import waves_at
+from contwalk.problems.equilibrium.points.symmetric_vectors import keeps, linear_image
 from contwalk.problems.held_quantities import HeldQuantity
 from contwalk.problems.neutral import generator_at
 from contwalk.problems.orbit import equations
@@ -31,10 +32,11 @@ UNLIKE = EPSILON**0.25
 def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
     """The cycles that are born at a Hopf point, along its critical vectors.
 
-    Where a symmetry makes several pairs pass at once, there is one for each way in which it turns them.
+    Where several pairs pass at once, there is one for each way in which a symmetry turns them, and where none
+    does, for each wave that the normal form of all pairs tells.
     """
-    vectors: list[np.ndarray | None] = list(symmetric_vectors(equilibrium, point))
-    return [_along(equilibrium, point, vector) for vector in vectors or [None]]
+    waves = waves_at(equilibrium, np.array(point.unknowns), float(point.coefficients["omega"]))
+    return [_along(equilibrium, point, vector) for vector in ([None] if waves is None else waves.vectors)]
 
 
 def _along(equilibrium: EquilibriumEquations, point: SpecialPoint, vector: np.ndarray | None) -> Seed:

@@ -7,13 +7,13 @@ a period later, or keeps (M. Golubitsky, I. Stewart & D. G. Schaeffer, 1988, cha
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
-from contwalk.problems.equilibrium.points.lyapunov import SAME, critical_space
+from contwalk.problems.equilibrium.permutations import Permutation
+from contwalk.problems.equilibrium.points.lyapunov import SAME
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
@@ -22,37 +22,36 @@ from contwalk.system.declarations import ParameterValues
 ASIDE = 1e-4
 
 
-def symmetric_vectors(equilibrium: EquilibriumEquations, point: SpecialPoint) -> list[np.ndarray]:
-    """Critical vectors, shape (n,), that declared symmetries turn; none where the pair is alone."""
-    n, z = equilibrium.states, np.array(point.unknowns)
-    omega = float(point.coefficients["omega"])
-    space = critical_space(equilibrium.jacobian(z)[:n, :n], omega).right
-    if space.shape[1] < 2:
-        return []
+def symmetric_vectors(
+    equilibrium: EquilibriumEquations, z: np.ndarray, space: np.ndarray, orders: Sequence[Permutation] = ()
+) -> list[np.ndarray]:
+    """Vectors of a critical space, columns of shape (n, k), that symmetries turn, at z, shape (N + 1,).
+
+    They are the declared ones, and permutations of the states that nobody declared: of vectors that these
+    take to each other one is given.
+    """
+    x, p = z[: equilibrium.states], ParameterValues(**equilibrium.values_of(z))
+    declared = [s for s in equilibrium.system.symmetries if s.role == "spatial" and keeps(s, x, p)]
+    images = [np.column_stack([linear_image(s, x, q, p) for q in space.T]) for s in declared]
     found: list[np.ndarray] = []
-    for q in _turned(equilibrium, z, space):
-        if all(abs(q.conj() @ known) < 1.0 - SAME for known in found):
-            found.append(q)
+    for image in [*images, *(space[list(order)] for order in orders)]:
+        for q in _turned(space, image):
+            known = [v for w in found for v in (w, *(w[list(order)] for order in orders))]
+            if all(abs(q.conj() @ v) < 1.0 - SAME for v in known):
+                found.append(q)
     return found
 
 
-def _turned(equilibrium: EquilibriumEquations, z: np.ndarray, space: np.ndarray) -> Iterator[np.ndarray]:
-    """Unit vectors of a space, columns of shape (n, k), that a symmetry only turns."""
-    x, p = z[: equilibrium.states], ParameterValues(**equilibrium.values_of(z))
-    for symmetry in equilibrium.system.symmetries:
-        if symmetry.role != "spatial" or not keeps(symmetry, x, p):
-            continue
-        images = np.column_stack([linear_image(symmetry, x, q, p) for q in space.T])
-        turns = space.conj().T @ images
-        if np.abs(images - space @ turns).max() > SAME:
-            continue
-        ratios, shares = np.linalg.eig(turns)
-        for ratio, share in zip(ratios, shares.T, strict=True):
-            if (
-                np.count_nonzero(np.abs(ratios - ratio) < SAME) == 1
-            ):  # else the symmetry does not tell them apart
-                q = space @ share
-                yield q / np.linalg.norm(q)
+def _turned(space: np.ndarray, images: np.ndarray) -> Iterator[np.ndarray]:
+    """Unit vectors of a space that a map only turns; columns of shape (n, k), and their images."""
+    turns = space.conj().T @ images
+    if np.abs(images - space @ turns).max() > SAME:
+        return
+    ratios, shares = np.linalg.eig(turns)
+    for ratio, share in zip(ratios, shares.T, strict=True):
+        if np.count_nonzero(np.abs(ratios - ratio) < SAME) == 1:  # else it does not tell them apart
+            q = space @ share
+            yield q / np.linalg.norm(q)
 
 
 def keeps(symmetry: Symmetry, x: np.ndarray, p: ParameterValues) -> bool:
