@@ -70,6 +70,10 @@ DOCUMENTED: dict[str, list[Told]] = {
         ("2.33235", "0.0214354"),
         ("2.33683", "0.0218606"),
     ),
+    "straight_walker_point_masses": _each(
+        "PD", "gamma", "0.0150884", "0.0176694", "0.0181601", "0.0182648", "0.0182873"
+    ),
+    "straight_walker_feet": _each("LP", "r", "0.7481820"),
     "planar_slope": [
         *_each("LP", "alpha", "0.0368974"),
         *_each("PD", "alpha", "0.0982189", "0.1089903", "0.1114144", "0.1119200"),

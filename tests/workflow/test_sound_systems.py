@@ -290,7 +290,7 @@ def free_of(stiffness):
 
 
 @pytest.mark.parametrize(
-    "name", ["autobalancer", "planar_walker", "walker3d", "rimless_wheel", "bouncing_ball"]
+    "name", ["autobalancer", "planar_walker", "walker3d", "rimless_wheel", "bouncing_ball", "straight_walker"]
 )
 def test_first_party_systems_are_sound(name):
     assert cw.load_system(name).name == name
