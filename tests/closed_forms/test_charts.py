@@ -101,10 +101,10 @@ def test_both_sides_of_hopf_points() -> None:
     }
 
 
-@pytest.mark.long
 def test_branches_that_leave_branch_points_count() -> None:
     ranges = {"a": (-1.0, 1.0), "b": (-0.8, 0.8)}
-    _, found = study(pitchfork, "x", {"a": -0.5, "b": 0.1}, [0.0], ["BP1"], ranges)
+    (_, pitchforks), found = study(pitchfork, "x", {"a": -0.5, "b": 0.1}, [0.0], ["BP1"], ranges)
+    assert not [point for point in pitchforks.special_points if point.label == "CP"]
     assert {region.at[0] > region.at[1]: region.counts for region in found.regions} == {
         True: (0, 0, 1),
         False: (0,),

@@ -79,8 +79,7 @@ def located(found: list[Branch], label: str) -> list[SpecialPoint]:
     return [point for branch in found for point in branch.special_points if point.label == label]
 
 
-@pytest.mark.drawn(1)
-@pytest.mark.parametrize("travels", [False, True])
+@pytest.mark.parametrize("travels", [pytest.param(False, marks=pytest.mark.long), True])
 def test_half_of_it_is_integrated(travels):
     parent, child = branches(travels)
     assert (parent.info.closure, child.info.closure) == ("mirror", "full")
@@ -114,14 +113,14 @@ def test_symmetry_breaking_and_doubling_are_those_of_the_smooth_orbit(travels):
 
 def test_a_state_that_only_the_image_passes_is_reported_there():
     """x passes -5 on its way up in the half that is not integrated: the image of 5 on the way down."""
-    (parent, _), places = branches(False), []
-    problem, sample = reopened(two_sided(False), parent, len(parent) // 2)
+    (parent, _), places = branches(True), []
+    problem, sample = reopened(two_sided(True), parent, len(parent) // 2)
     for value, direction in ((5.0, -1.0), (-5.0, 1.0)):
         chosen = replace(problem.discretization, report_at=(0, value, direction))
         places.append(problem.varied(discretization=chosen).reported(sample.z))
     ours, images = places
     assert ours[0] == pytest.approx(5.0, abs=1e-9)
-    np.testing.assert_allclose(images, [-ours[0], -ours[1], ours[2]], rtol=1e-9)
+    np.testing.assert_allclose(images[:3], [-ours[0], -ours[1], ours[2]], rtol=1e-9)
 
 
 def test_the_whole_motion_is_told():

@@ -33,7 +33,7 @@ class Cusp(LocusPoint):
     def ends_ahead(self, problem: Any, sample: Sample) -> Located | None:
         """Where folds come to pitchforks: both parameters turn there, back along the same curve."""
         found = touched(problem, sample)
-        settled = None if found is None or not is_pitchfork(problem, found) else found.settled()
+        settled = None if found is None or not is_pitchfork(problem, found, sample) else found.settled()
         if settled is None:
             return None
         values = problem.values_of(settled.z)
@@ -51,5 +51,5 @@ class Cusp(LocusPoint):
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The cubic coefficient c."""
         if persists(located):
-            return form_of(problem, located)
+            return form_of(problem, located, sample)
         return None, None, cusp_coefficient(problem.plane, problem.in_plane(located.z)), None

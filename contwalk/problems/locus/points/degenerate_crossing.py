@@ -27,7 +27,7 @@ from contwalk.problems.locus.points.persisting import KIND, NOTE, branch_point, 
 from contwalk.problems.locus.points.point import LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Test
 
-# p.B(q, q) below this part of its terms is rounding of zero.
+# A coefficient below this part of what it would naturally be is rounding of zero.
 ZERO = 1e-9
 # How far along a curve of branch points it must be zero too, in the metric: at a pitchfork it is everywhere.
 BESIDE = 1e-3
@@ -59,16 +59,15 @@ def _solved(place: Place, borders: Borders, right: np.ndarray) -> np.ndarray:
     return np.asarray(place.solver(bordered)(np.append(right, 0.0))[: len(right)])
 
 
-def are_pitchforks(plane: Plane, z: np.ndarray, along: np.ndarray) -> bool:
-    """Whether p.B(q, q) is zero at a branch point z and beside it, `along` their curve; both (N + 2,)."""
-    return all(_vanishes(plane, z + aside * BESIDE * along) for aside in (0.0, 1.0, -1.0))
+def are_pitchforks(plane: Plane, z: np.ndarray, along: np.ndarray, units: np.ndarray) -> bool:
+    """Whether p.B(q, q) is zero at a branch point z and beside it, `along` their curve; all (N + 2,)."""
+    return all(_vanishes(plane, z + aside * BESIDE * along, units) for aside in (0.0, 1.0, -1.0))
 
 
-def _vanishes(plane: Plane, z: np.ndarray) -> bool:
+def _vanishes(plane: Plane, z: np.ndarray, units: np.ndarray) -> bool:
     place = FloatPlace(plane, z)
-    found = zero_condition(place, zero_borders(place.matrix))
-    bent = place.second(found.right[0], found.right[0])
-    return bool(abs(found.left[0] @ bent) <= ZERO * (np.abs(found.left[0]) @ np.abs(bent)))
+    borders = zero_borders(place.matrix)
+    return _with_its_error(place, borders, quadratic, units)[1]
 
 
 def touched(problem: Any, sample: Sample) -> Located | None:
@@ -77,19 +76,19 @@ def touched(problem: Any, sample: Sample) -> Located | None:
     for coefficient in (quadratic, cubic):
         with suppress(np.linalg.LinAlgError):
             found = _located(problem, sample, branch_points, [0.0], coefficient)
-            if found is not None and is_pitchfork(problem, found) == (coefficient is cubic):
+            if found is not None and is_pitchfork(problem, found, sample) == (coefficient is cubic):
                 return found
     return None
 
 
-def is_pitchfork(problem: Any, located: Located) -> bool:
-    """Whether a point located on a curve of branch points is one of pitchforks."""
+def is_pitchfork(problem: Any, located: Located, sample: Sample) -> bool:
+    """Whether a point located on a curve of branch points, near a sample, is one of pitchforks."""
     augmented: Augmented = located.vectors["augmented"]
     z = problem.in_plane(located.z)
     u = augmented.joined(z, located.vectors["own"])
     weights = np.maximum(np.abs(u), 1.0)
     along = augmented.split(kernel_direction(augmented.values(u)[1], weights))[0]
-    return are_pitchforks(problem.plane, z, along)
+    return are_pitchforks(problem.plane, z, along, problem.in_plane(sample.weights))
 
 
 def _located(
@@ -104,10 +103,10 @@ def _located(
     return located_by(problem, augmented, sample, own, function)
 
 
-def form_of(problem: Any, located: Located) -> Form:
-    """What is told of such a point."""
+def form_of(problem: Any, located: Located, sample: Sample) -> Form:
+    """What is told of such a point, located near a sample."""
     z = problem.in_plane(located.z)
-    if is_pitchfork(problem, located):
+    if is_pitchfork(problem, located, sample):
         return KIND, None, pitchfork_coefficients(problem.plane, z), PITCHFORK
     return KIND, None, cusp_coefficient(problem.plane, z), NOTE
 
@@ -124,10 +123,7 @@ class DegenerateBranchPoint(LocusPoint):
         """
         coefficient, borders = _watched(problem, sample)
         place = FloatPlace(problem.plane, problem.in_plane(sample.z))
-        critical = zero_condition(place, borders)
-        found = float(coefficient(place, critical, borders))
-        units = problem.in_plane(sample.weights)[: problem.plane.size]
-        hidden = abs(found) <= ZERO * _natural(place, critical, borders, coefficient, units)
+        found, hidden = _with_its_error(place, borders, coefficient, problem.in_plane(sample.weights))
         return math.copysign(UNSURE, found) if hidden else found
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
@@ -137,18 +133,32 @@ class DegenerateBranchPoint(LocusPoint):
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The next coefficient."""
-        return form_of(problem, located)
+        return form_of(problem, located, sample)
+
+
+def _with_its_error(
+    place: FloatPlace, borders: Borders, coefficient: Coefficient, weights: np.ndarray
+) -> tuple[float, bool]:
+    """A coefficient, and whether it is rounding; `weights` have the shape (N + 2,)."""
+    critical = zero_condition(place, borders)
+    found = float(coefficient(place, critical, borders))
+    natural = _natural(place, critical, borders, coefficient, weights[: place.plane.size])
+    return found, abs(found) <= ZERO * natural
 
 
 def _natural(
     place: FloatPlace, found: Critical, borders: Borders, coefficient: Coefficient, units: np.ndarray
 ) -> float:
-    """How large a coefficient would be if q had as much of all states; `units` are theirs, shape (N,)."""
+    """How large a coefficient would be if q, and what states are, had as much of all states.
+
+    `units` are those of the states, shape (N,). Where all bends away from zero, as in odd equations, it is
+    what a unit along q makes of it.
+    """
     q, p = found.right[0], np.abs(found.left[0])
-    slopes = np.abs(place.slopes(q))[:, : len(q)]
-    bent = slopes @ (units * float(np.linalg.norm(q / units)))
+    slopes, length = np.abs(place.slopes(q))[:, : len(q)], float(np.linalg.norm(q / units))
+    bent = slopes @ (units * length)
     if coefficient is quadratic:
-        return float(p @ bent)
+        return float(p @ (bent + np.abs(place.third(q, q, q)) / length))
     h = _solved(place, borders, bent)
     further = slopes @ (units * float(np.linalg.norm(h / units)))
     return float(p @ (np.abs(place.third(q, q, q)) + 3.0 * further))
@@ -157,8 +167,9 @@ def _natural(
 def _watched(problem: Any, sample: Sample) -> tuple[Coefficient, Borders]:
     """The coefficient whose zeros are looked for on a step of a curve of branch points, and its borders."""
     if KEPT not in problem.kept:
-        plane, z, along = problem.plane, *(problem.in_plane(v) for v in (sample.z, sample.tangent))
-        coefficient = cubic if are_pitchforks(plane, z, along) else quadratic
+        plane, own = problem.plane, (sample.z, sample.tangent, sample.weights)
+        z, along, units = (problem.in_plane(v) for v in own)
+        coefficient = cubic if are_pitchforks(plane, z, along, units) else quadratic
         problem.kept[KEPT] = coefficient, zero_borders(plane.jacobian(problem.near)[:, : plane.size])
     watched: tuple[Coefficient, Borders] = problem.kept[KEPT]
     return watched
