@@ -70,7 +70,7 @@ def basin_study(run: MarginsFile, study: Study) -> BasinStudy:
 
 
 def known_attractors(run: MarginsFile, study: Study) -> Attractors:
-    """The stable solutions of the database at the parameters of the one that is pushed."""
+    """The solutions of the database at the parameters of the one that is pushed, without unstable ones."""
     wanted, values = run.margins, study.solution.parameters
     courses = {wanted.of.point: study.solution.course}
     with open_database(run.database) as db:
@@ -88,19 +88,19 @@ def known_attractors(run: MarginsFile, study: Study) -> Attractors:
 
 
 def _stands_there(branch: Any, place: SpecialPoint | int, values: dict[str, float]) -> bool:
-    """Whether a point is stable, and its parameters are these."""
+    """Whether a point is not known to be unstable, and its parameters are these."""
     if branch.info.problem not in ("equilibrium", "periodic_orbit", "hybrid_orbit"):
         return False
     if isinstance(place, int):
-        stable = int(branch["unstable"][place]) == 0
+        unstable = int(branch["unstable"][place]) > 0
         own = {
             **branch.info.parameters,
             **dict(zip(branch.info.free, branch.points["free"][place], strict=True)),
         }
     else:
-        stable = place.unstable_before == place.unstable_after == 0
+        unstable = bool(place.unstable_before or place.unstable_after)
         own = dict(place.parameters)
-    return stable and all(
+    return not unstable and all(
         abs(float(own.get(name, value)) - value) <= SAME * abs(value) for name, value in values.items()
     )
 

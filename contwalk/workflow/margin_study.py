@@ -55,9 +55,9 @@ def study_of(run: MarginsFile) -> tuple[Study, list[ModeDirections], list[str]]:
         with _located(run, "of", "point"):
             branch = branch_of(db, run.database, wanted.of.point, system)
             point = place_of(branch, run.database, wanted.of.point)
-            _check_stable(branch, point, wanted.of.point)
+            notes = _check_stable(branch, point, wanted.of.point)
         stored = str(db.header.provenance.get("plugin_sha256", system.source))
-        notes = [] if stored == system.source else [CHANGED]
+        notes += [] if stored == system.source else [CHANGED]
         if branch.info.problem == "equilibrium":
             if not isinstance(wanted.instants, int):
                 notes.append("An equilibrium is the same at all instants; it is pushed once.")
@@ -101,25 +101,28 @@ def study_of(run: MarginsFile) -> tuple[Study, list[ModeDirections], list[str]]:
     )
 
 
-def _check_stable(branch: Branch, point: SpecialPoint | int, name: str) -> None:
-    """Refuse what is unstable on both sides: any push along its unstable direction is lost in time."""
-    if isinstance(point, int):
-        counts = [int(branch["unstable"][point])]
-    else:
-        sides = point.unstable_before, point.unstable_after
-        counts = [NOT_KNOWN if count is None else count for count in sides]
-    unstable = min(counts)
-    if unstable == NOT_KNOWN:
-        raise StartError(
-            f"Whether {name} is stable is not known: a multiplier is within its error of where that changes.",
-            "Margins are of stable motions: name a point where `contwalk show` counts 0 unstable directions.",
-        )
-    if unstable:
+def _check_stable(branch: Branch, point: SpecialPoint | int, name: str) -> list[str]:
+    """Refuse what is unstable on both sides: any push along its unstable direction is lost in time.
+
+    What is not known, as of motions that conserve energy, is noted.
+    """
+    sides = (
+        [int(branch["unstable"][point])]
+        if isinstance(point, int)
+        else [NOT_KNOWN if n is None else n for n in (point.unstable_before, point.unstable_after)]
+    )
+    unstable = min(sides)
+    if unstable > 0:
         raise StartError(
             f"{name} is unstable in {unstable} direction{'s' * (unstable > 1)}: every push that has a share "
             "in them is lost sooner or later.",
             "Margins are of stable motions: name a point where `contwalk show` counts 0 unstable directions.",
         )
+    if 0 in sides:
+        return []
+    return [
+        f"Whether {name} is stable is not known: what is critical is within its error of where that changes."
+    ]
 
 
 @contextmanager
