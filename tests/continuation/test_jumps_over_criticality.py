@@ -7,7 +7,7 @@ from hybrid_runs import branch_of, machine
 from contwalk.system import Transition
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_multiplier_that_jumps_past_minus_one_is_a_doubling_that_is_not_located() -> None:
     """x becomes mu + x / 2 for x < 0, else mu - 3 x / 2, at each tick: multipliers 1/2 and -3/2."""
 

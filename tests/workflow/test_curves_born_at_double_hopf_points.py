@@ -40,8 +40,8 @@ output: two_pairs.h5
 """
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("share", [0.5, 0.01])
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.5, pytest.param(0.01, marks=pytest.mark.long)])
 def test_tori_of_both_cycles_are_followed_from_a_double_hopf_point(tmp_path, share) -> None:
     """Where r changes the growth of s little, the cycle with a torus is larger, as in Lorenz-84."""
     _, (_, *curves), _ = studied(tmp_path, "two_pairs", PLUGIN.replace("0.5 * r", f"{share} * r"), RUN)

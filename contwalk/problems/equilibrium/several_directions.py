@@ -286,7 +286,7 @@ def _ways(k: int) -> Iterator[np.ndarray]:
 def solutions(
     equations: Equations, starts: Iterator[np.ndarray], same: Callable[[np.ndarray, np.ndarray], bool]
 ) -> list[np.ndarray]:
-    """What Newton's method finds from some starts, each once, in the order of the starts."""
+    """What Newton's method finds from some starts, each once, in their order; all of the shape (k,)."""
     found: list[np.ndarray] = []
     for start in starts:
         u = _newton(equations, start)

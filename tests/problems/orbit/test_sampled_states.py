@@ -20,7 +20,7 @@ def sampled():
     return machine(["x"], {"b": 0.5}, {"on": still}, [clock], period=lambda p: 1.0)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_fixed_point_of_a_map_runs_off_where_its_multiplier_is_one() -> None:
     branch = branch_of(sampled(), "b", (0.5, 2.0), [1.0], until="settled", direction="up", max_points=600)
     assert branch.outcome.reason == "unbounded"
