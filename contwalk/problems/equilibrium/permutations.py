@@ -12,7 +12,7 @@ from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquat
 
 # Entries are alike that differ by no more than this part of the largest one: the field is asked afterwards.
 ALIKE = 1e-8
-# So many places are asked, this part of the states away; no more permutations are looked for than the last.
+# So many places are asked, this part of the states away; no more permutations are found than the last one.
 PLACES, AWAY, MOST = 3, 0.1, 120
 
 Permutation = tuple[int, ...]
@@ -33,12 +33,13 @@ def _automorphisms(matrix: np.ndarray, state: np.ndarray) -> Iterator[Permutatio
     """Permutations with A[p, p] = A, shape (n, n), and x[p] = x, state by state."""
     n, near = len(matrix), ALIKE * float(np.abs(matrix).max(initial=0.0))
     alike = np.abs(state[:, None] - state) <= ALIKE * np.abs(state[:, None]) + ALIKE * EPSILON
-    open_, count = list[Permutation]([()]), 0
-    while open_ and count < MOST:
-        begun: Permutation = open_.pop()
+    open_ = list[Permutation]([()])
+    for _ in range(MOST * n):  # of one that is found n states are tried at least
+        if not open_:
+            return
+        begun = open_.pop()
         i = len(begun)
         if i == n:
-            count += 1
             yield begun
             continue
         own = [*begun, 0]

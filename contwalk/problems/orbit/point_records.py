@@ -28,14 +28,15 @@ COARSER = 10.0
 MEET = 1e-3
 # Coefficients that take third derivatives of the motion.
 CUBIC = ("c", "d", "c_error", "d_error")
-BRANCHING = ("c11", "c12", "c22", "c")
-UP_TO_A_FACTOR = (
-    "return map minus identity; c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h, and the "
-    "cubic c, up to a common factor: p.q is zero where a pair of multipliers meets"
-)
 PAIR = (
     "multipliers come in pairs mu, 1/mu here, and a pair meets: no coefficient tells which side is stable, "
     "but the multipliers of solutions on either side do"
+)
+
+SEVERAL = (
+    "{} multipliers are {:g} together, as a symmetry of the field makes them: the orbits that leave are not "
+    "followed, for no one critical direction tells theirs; one that is stable is found by simulating beside "
+    "this value, start: {{simulate: {{state: {{...}}}}}}"
 )
 
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
@@ -108,12 +109,22 @@ def _form(problem: OrbitData, point: OrbitKind, located: Located, sample: Sample
     double = point.multiplier is not None and _double(sample, point.multiplier)
     if double and (problem.system.conserved or volumes.kept(problem, located.z)):
         return point.form_of_pair(problem, located, sample)
-    return point.form(problem, located, sample)
+    kind, criticality, coefficients, note = point.form(problem, located, sample)
+    if point.multiplier is None or (count := _together(sample, point.multiplier)) < 2:
+        return kind, criticality, coefficients, note
+    # No coefficient along one direction tells of what leaves along several.
+    return kind, None, {"multiplicity": count}, SEVERAL.format(count, point.multiplier)
 
 
 def _double(sample: Sample, critical: float) -> bool:
     """Whether two multipliers meet at a critical value, as those of a pair mu, 1/mu do."""
     return int(np.sum(np.abs(sample.eigenvalues - critical) < MEET)) > 1
+
+
+def _together(sample: Sample, critical: float) -> int:
+    """How many multipliers are a critical value to their errors, as a symmetry makes them."""
+    apart = np.abs(sample.eigenvalues - critical)
+    return int(np.sum(apart <= np.minimum(sample.errors, MEET)))
 
 
 def known(

@@ -62,8 +62,10 @@ class Waves:
         """
         count = len(self.vectors)
         followed = f"{count} wave{' is' if count == 1 else 's are'} followed"
-        several = [f"{kinds.count(kind)} {kind or 'degenerate'}" for kind in dict.fromkeys(kinds)]
-        followed += f" ({', '.join(several)})" if len(several) > 1 else ""
+        each = [
+            f"{kinds.count(kind)} {kind or 'vertical to the third order'}" for kind in dict.fromkeys(kinds)
+        ]
+        followed += f" ({', '.join(each)})" if len(each) > 1 or None in kinds else ""
         told = [f"{self.pairs} pairs of eigenvalues pass together: {followed}"]
         if self.hidden or self.family:
             told.append(

@@ -13,10 +13,12 @@ from contwalk.problems.orbit.points.marked_value import EndPoint, MarkedValue
 from contwalk.problems.orbit.points.neimark_sacker import NeimarkSacker
 from contwalk.problems.orbit.points.period_doubling import PeriodDoubling, SymmetryBreaking
 from contwalk.problems.orbit.points.point import OrbitPoint
+from contwalk.problems.orbit.points.several_multipliers import SeveralMultipliers
 
 # Of all orbits, and of those through events.
 POINT_TYPES: tuple[OrbitPoint, ...] = (
     Fold(),
+    SeveralMultipliers(),
     BranchPoint(),
     PeriodDoubling(),
     SymmetryBreaking(),

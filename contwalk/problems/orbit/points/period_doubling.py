@@ -35,8 +35,8 @@ class _Flip(OrbitPoint):
         return flip_system(problem, sample)
 
     def seeds(self, problem: OrbitData, point: SpecialPoint) -> Sequence[Seed]:
-        """The orbit that leaves along the critical vector."""
-        return problem.leaving(self, point)
+        """The orbit that leaves along the critical vector, where there is one."""
+        return () if "multiplicity" in point.coefficients else problem.leaving(self, point)
 
     def critical(self, point: SpecialPoint, sample: Sample) -> complex:
         """-1."""

@@ -1,0 +1,89 @@
+"""Cycles of which several multipliers pass 1 or -1 together: that is located, and nothing of rounding leaves.
+
+On a circle of radius 1, gone round in 2 pi, the transversal states u_i of u_i' = (K - 0.3) u_i - u_i^3 have
+the multiplier exp(2 pi (K - 0.3)), all of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from small_systems import labelled, small_system
+
+import contwalk as cw
+from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.diagram import Diagram, Plan
+from contwalk.continuation.settings import Settings
+from contwalk.studies.opening_orbits import opened_orbit
+
+
+def circle_with(count, units, order):
+    """The circle, and so many transversal states, in units of their own and some order."""
+
+    def field(t, x, p, dx):
+        a, b, *u = (x[k] / units[i] for i, k in enumerate(order))
+        growth = 1.0 - a * a - b * b
+        rates = [growth * a - b, a + growth * b, *((p.K - 0.3) * v * (1.0 + 0.5 * a) - v**3 for v in u)]
+        for i, k in enumerate(order):
+            dx[k] = units[i] * rates[i]
+
+    start = np.zeros(count + 2)
+    start[order[0]] = units[0]
+    return field, start
+
+
+def brusselators(t, x, p, dx):
+    """Three of them, each coupled to both others: in phase they go round in 3.9828510."""
+    for i in range(3):
+        a, b = x[2 * i], x[2 * i + 1]
+        a1, b1, a2, b2 = (x[(2 * i + k) % 6] for k in (2, 3, 4, 5))
+        dx[2 * i] = 2.0 - 6.5 * a + a**2 * b + 0.1 * p.K * (a1 + a2 - 2.0 * a)
+        dx[2 * i + 1] = 5.5 * a - a**2 * b + p.K * (b1 + b2 - 2.0 * b)
+
+
+def walked(field, state, begin, reach, period):
+    system = small_system(field, [f"x{i}" for i in range(len(state))], {"K": begin})
+    steps, settings = cw.Discretization(accuracy=1e-8), Settings(range=reach, max_points=300)
+    values = {"K": begin}
+    opening = opened_orbit(system, values, "K", state, settings, discretization=steps, **period)
+    plan = Plan(settings, frozenset({"BP", "PD"}), 1)
+    made = Diagram([Start(system, "K", values, opening, "start")], plan)
+    assert list(made.events())
+    return made.branches
+
+
+@pytest.mark.parametrize(
+    ("count", "units", "order"),
+    [
+        (2, (1.0, 1.0, 1.0, 1.0), (0, 1, 2, 3)),
+        (2, (1e3, 1e3, 1e-4, 1e-4), (3, 0, 2, 1)),
+        (2, (1.0, 5.0, 20.0, 0.1), (1, 3, 0, 2)),
+        (3, (1.0, 1.0, 1.0, 1.0, 1.0), (2, 0, 3, 1, 4)),
+        (4, (1.0, 2.0, 1.0, 1e2, 1e-2, 3.0), (0, 1, 2, 3, 4, 5)),
+    ],
+)
+def test_several_multipliers_at_one_are_located(count, units, order) -> None:
+    field, start = circle_with(count, units, order)
+    (branch,) = walked(field, start, 0.1, (0.1, 0.6), {"period": 2.0 * np.pi})
+    (point,) = labelled(branch, "BP", "LP", "PD")
+    assert point.status == "located"
+    assert abs(point.parameters["K"] - 0.3) <= max(point.error, 1e-12)
+    assert point.coefficients["multiplicity"] == count
+    assert f"{count} multipliers are 1 together" in point.note
+    assert (point.unstable_before, point.unstable_after) == (0, count)
+    assert branch.outcome.reason == "bound"
+
+
+@pytest.mark.slow
+def test_three_brusselators_in_phase() -> None:
+    """Multipliers of the variational equation of deviations, by SciPy's DOP853 at 1e-12, each twice."""
+    state = np.tile([1.0, 2.0], 3)
+    (branch,) = walked(brusselators, state, 0.01, (0.01, 0.5), {"until": "settled"})
+    assert branch.outcome.reason == "bound"
+    found = labelled(branch, "PD", "BP", "LP", "TR")
+    assert [p.label for p in found] == ["PD", "PD", "PD", "PD", "BP"]
+    assert {p.status for p in found} == {"located"}
+    assert all("together" in p.note and p.coefficients["multiplicity"] == 2 for p in found)
+    known = [0.0569431284751] * 2 + [0.3529828390254] * 2 + [0.3851215259002]
+    assert [p.parameters["K"] for p in found] == pytest.approx(known, abs=1e-10)  # an accuracy of 1e-8
+    assert [p.unstable_after for p in found] == [2, 2, 0, 0, 2]
