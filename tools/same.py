@@ -99,7 +99,8 @@ def made(study: Path, code: Path, folder: Path, environment: Mapping[str, str]) 
         told = json.loads(said.read_text(encoding="utf-8"))
         return Made(database, told["seconds"], told["code"])
     folder.mkdir(parents=True, exist_ok=True)
-    command = [sys.executable, "-m", "contwalk", "continue", str(study), "--output", str(database)]
+    # `-P`: not the code in the current folder, which comes before all others otherwise.
+    command = [sys.executable, "-P", "-m", "contwalk", "continue", str(study), "--output", str(database)]
     surroundings = {**os.environ, "PYTHONPATH": str(code), **environment}
     before = _seconds()
     # What contwalk says of bad input is no study that failed: it stops here.
