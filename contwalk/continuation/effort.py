@@ -26,12 +26,13 @@ LEFT_FOR_LATER = ("effort", "effort of curves")
 class Efforts:
     """What the branches of a diagram have cost so far, and what others may.
 
-    A branch may cost `effort` times what the first one of the same problem did: equilibria, orbits, curves of
-    either. Of one start all orbits of later generations than the first one's may cost as much together, too:
-    each doubled branch has doublings of its own, and there is no end of them. For each largest step that one
-    of these gets on in the parameter it may cost as many points of the first branch as `effort` says, each as
-    many times as its orbits have periods of it; beyond that, all of one start have as many once more. So a
-    cascade that fills the range is followed, and one within less than a step of it is begun.
+    A branch may cost `effort` times what the first one of the same problem did: equilibria, orbits,
+    curves of either. Of one start all orbits of later generations than the first one's may cost as much
+    together, too: each doubled branch has doublings of its own, and there is no end of them. For each
+    largest step that one of these gets on in the parameter, from the run's third generation on, it may
+    cost as many points of the first branch as `effort` says, each as many times as its orbits have
+    periods of it; beyond that, all of one start have as many once more. So a cascade that fills the range
+    is followed, and one within less than a step of it is begun.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ class Efforts:
         if first is None:
             return Bound()
         most = self._effort * first.each * first.points
-        if not self._is_deeper(start, info):
+        if not self._is_deeper(start, info) or start.depth < 2:  # what leaves a run's starts is its answer
             return Bound(most)
         points = self._effort * first.each * self._periods(start)
         step = self._settings.max_share * self._settings.width
