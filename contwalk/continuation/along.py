@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
+from contwalk.continuation.kinds import crossed, kinds_of_test
 from contwalk.continuation.locating import Found
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Located, PointType, Sample, finest
+from contwalk.problems.located import TURNED
+from contwalk.problems.problem import Located, PointType, Sample, Test, finest
 
 # A bracket that is this narrow, in parts of the segment, is the point.
 NARROW = 1e-12
@@ -18,6 +21,9 @@ NARROW = 1e-12
 NEIGHBOURHOOD = 0.02
 # The function may be off by so many times what eigenvalues away from the point are not known to.
 KNOWN = 10.0
+BESIDE_THE_FOLD = (
+    "A multiplier goes from beyond 1 to beyond -1 at the fold, within what is known of it there."
+)
 
 
 def located_along(segment: Segment, kind: PointType, low: float, high: float, which: int) -> Found | None:
@@ -39,6 +45,53 @@ def located_along(segment: Segment, kind: PointType, low: float, high: float, wh
         sample.z, max(error, float(np.spacing(abs(sample.parameter)))), {"which": which}, problem=part.problem
     )
     return Found(begin + position * width, kind, located, sample)
+
+
+def at_the_turn(segment: Segment, which: int) -> list[Found]:
+    """The fold that the parameter's own turn tells, and the doubling that is not told apart from it.
+
+    Multiplier `which` goes from beyond 1 to beyond -1 there, faster than anything is known: it passes both.
+    """
+    turning = next(iter(kinds_of_test(segment.problem, Test.TURN)), None)
+    fold = None if turning is None else _turned(segment, turning)
+    if fold is None:
+        return []
+    counted = replace(fold, before=segment.a.unstable, after=segment.b.unstable, counted=True)
+    ends = (end for end in (segment.a, segment.b) if end.eigenvalues[which].real < 0.0)
+    doubling = next((crossed(segment.problem, end, which) for end in ends), None)
+    if doubling is None:
+        return [counted]
+    beside = Located(fold.located.z, fold.located.error, {"note": BESIDE_THE_FOLD}, refined=False)
+    return [counted, replace(counted, type=doubling, located=beside, kind="unlocated")]
+
+
+def _turned(segment: Segment, kind: PointType) -> Found | None:
+    """The fold at which the parameter turns between the ends, and by more than it is known to.
+
+    That is so whatever multipliers tell: where deviations grow beyond 1e16 they tell nothing near one. Errors
+    of the steps shift a fold, but change along the branch as solutions do: over a step by its length, in the
+    metric, of what they are. Beside that a turn is lost in rounding alone.
+    """
+    meshed = segment.problem.meshed
+    if meshed is None or segment.vertical:
+        return None
+    theta = zero_of(lambda theta: _share(segment.at(theta)), 0.0, 1.0)
+    if theta is None:
+        return None
+    sample = segment.at(theta)
+    equations = segment.problem.linearize(sample.z)
+    known = equations.parameter_error(sample.tangent, sample.weights, meshed.errors_at(sample.z))
+    rounding = equations.parameter_error(sample.tangent, sample.weights, equations.levels[0])
+    rises = [abs(sample.parameter - end.parameter) for end in (segment.a, segment.b)]
+    if not min(rises) > KNOWN * (rounding + segment.length * known):
+        return None
+    error = max(known, float(np.spacing(abs(sample.parameter))))
+    located = Located(sample.z, error, {TURNED: True}, problem=segment.problem)
+    return Found(theta, kind, located, sample)
+
+
+def _share(sample: Sample) -> float:
+    return float(sample.tangent[-1] / sample.weights[-1])
 
 
 def _zero(segment: Segment, kind: PointType, low: float, high: float) -> float | None:

@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.along import located_along
+from contwalk.continuation.along import at_the_turn, located_along
 from contwalk.continuation.double_crossings import Hidden, knots_of
 from contwalk.continuation.flat_folds import doubt, flat_fold
 from contwalk.continuation.folds_with_pairs import agrees, with_its_pair
@@ -61,7 +61,12 @@ def bifurcations(segment: Segment) -> list[Found]:
     try:
         found = _in_order(segment)
     except Hidden as hidden:
-        found = _in_three_parts(segment, hidden)
+        try:
+            found = _in_three_parts(segment, hidden)
+        except Disagreement:
+            found = at_the_turn(segment, hidden.which)
+            if not found:
+                raise hidden from None
     _check_apart(segment, found)
     return found
 

@@ -193,7 +193,7 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
     for which in np.flatnonzero(certain & (np.sign(ma) == np.sign(mb))).tolist():
         sign = float(np.sign(ma[which]))
         ends = a.eigenvalues[which], b.eigenvalues[which]
-        if ends[0].imag == ends[1].imag == 0.0 and ends[0].real * ends[1].real < 0.0:
+        if ends[0].imag == ends[1].imag == 0.0 and np.sign(ends[0].real) * np.sign(ends[1].real) < 0.0:
             continue  # it passes both 1 and -1, or zero: see `_between_one_and_minus_one`
         # Towards zero at the one end, away from it at the other: an extremum lies between. A rate has a
         # price, so the end is asked first at which it is less likely; and a comparison with one that is not

@@ -185,7 +185,7 @@ class _Walk:
                 break  # told already, where the walk began
             s = begins.s + self._sign * found.theta * own.length
             place = ContinuationState(found.sample, s, begins.step)
-            known = not own.a.undecided, found.theta == 1.0 or not step.there.undecided
+            known = _known(found, own.a), _known(found, step.there)
             record = found_record(own.problem, found, s, self._sign, known)
             yield self._counted(Point(place, record))
             self._crowd.tell(record.status == "located", s, place.sample.error)
@@ -261,6 +261,17 @@ def _leaves_an_end(before: Sample, after: Sample, settings: Settings) -> bool:
     """Whether a point at an end of the range is not there any more on other steps: it is to stay as it is."""
     at_end = [place for place, ends in settings.bounds.items() if before.z[place] in ends]
     return any(after.z[place] != before.z[place] for place in at_end)
+
+
+def _known(found: Found, side: Sample) -> bool:
+    """Whether stability is known on a side of a point, which a sample beside it stands for if it is none.
+
+    At a bifurcation that is located an eigenvalue, or a pair of them, is critical, and known to be.
+    """
+    if found.kind == "unlocated" or not side.undecided:
+        return not side.undecided
+    many = int(found.located.vectors.get("multiplicity", 1)) if any(found.type.changes) else 0
+    return found.sample.undecided <= 2 * many
 
 
 def _slid(lost: SymmetriesLost, step: Step) -> bool:

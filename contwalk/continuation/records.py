@@ -12,6 +12,7 @@ from contwalk.continuation.locating import SAME_POINT, Found
 from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite
 from contwalk.numerics.linear import norm_in
+from contwalk.problems.located import TURNED
 from contwalk.problems.problem import Located, Problem, Sample, Test
 
 
@@ -49,13 +50,16 @@ def found_record(
 
 def _described(problem: Problem, found: Found, s: float) -> SpecialPoint:
     """The record of a located point; where its normal form cannot be computed, it is a point without one."""
-    try:
-        return found.type.describe(problem, found.located, found.sample, s)
-    except (NotFinite, np.linalg.LinAlgError) as error:
-        record = kind_of_test(problem, Test.MARK).describe(problem, found.located, found.sample, s)
-        why = error.sentence if isinstance(error, NotFinite) else str(error)
-        note = f"located, but its normal form cannot be computed: {why}"
-        return replace(record, label=found.label, kind=None, note=note)
+    if TURNED in found.located.vectors:
+        note = "located where the parameter turns: multipliers are not known to one there"
+    else:
+        try:
+            return found.type.describe(problem, found.located, found.sample, s)
+        except (NotFinite, np.linalg.LinAlgError) as error:
+            why = error.sentence if isinstance(error, NotFinite) else str(error)
+            note = f"located, but its normal form cannot be computed: {why}"
+    record = kind_of_test(problem, Test.MARK).describe(problem, found.located, found.sample, s)
+    return replace(record, label=found.label, kind=None, note=note)
 
 
 def end_record(

@@ -188,15 +188,17 @@ def spectrum(
     order = np.lexsort((-values.imag, -values.real))
     errors = np.where(np.isfinite(errors), errors, np.inf)
     values, moving = values[order], moving[order]
-    return _bordering(Spectrum(values, errors[order], moving.real, of_values=moving))
+    ordered = Spectrum(values, errors[order], moving.real, of_values=moving)
+    return _bordering(ordered, keeps_volumes(matrix, rate, rounding))
 
 
-def _bordering(found: Spectrum) -> Spectrum:
+def _bordering(found: Spectrum, alone: bool) -> Spectrum:
     """The same with the pairs of a conservative motion on the imaginary axis, where they stay until two meet.
 
     Real parts are noise there, and half the digits of it where pairs meet: their signs tell no stability.
+    `alone`: it is the only pair.
     """
-    if not krein.hamiltonian(found.values):
+    if not (alone or krein.hamiltonian(found.values)):
         return found
     on_axis = krein.bordering(found.values, found.values**2)
     values = found.values.copy()

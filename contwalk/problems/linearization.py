@@ -105,6 +105,18 @@ class Linearization:
         except np.linalg.LinAlgError:
             return 0.0, float("inf")
 
+    def parameter_error(self, tangent: np.ndarray, weights: np.ndarray, levels: np.ndarray) -> float:
+        """What errors of the equations do to the last unknown, where the place along the tangent is held.
+
+        The tangent and the weights have the shape (N + 1,), the levels of the errors (N,).
+        """
+        try:
+            bordered = self.bordered(tangent / weights**2, weights)
+            row = bordered.solve_adjoint(np.eye(len(weights))[-1])[: len(levels)]
+        except np.linalg.LinAlgError:
+            return float("inf")
+        return float(np.abs(row) @ levels)
+
     @property
     def finite(self) -> bool:
         """Whether residual and Jacobian are."""

@@ -10,6 +10,8 @@ import numpy as np
 
 # What a point's vectors have where another curve crosses: the equations are singular there.
 CROSSING = "crossing"
+# What they have where the parameter's own turn tells a fold, and multipliers do not.
+TURNED = "turned"
 
 
 @dataclass(frozen=True)

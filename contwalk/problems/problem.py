@@ -253,11 +253,9 @@ class Anchored(Protocol):
 
     def adapted(self, sample: Sample) -> tuple[Problem, Sample]:
         """The problem made anew for what follows a solution, and the solution's sample on it."""
-        ...
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Problem:
         """The problem for a solution that is taken up again. z and weights have the shape (N + 1,)."""
-        ...
 
 
 class Meshed(Anchored, Protocol):
@@ -276,6 +274,9 @@ class Meshed(Anchored, Protocol):
     def sizes_since(self, sample: Sample, begun: Sample) -> np.ndarray:
         """What weights of the metric grow with, shape (N + 1,), on a branch that began elsewhere."""
         ...
+
+    def errors_at(self, z: np.ndarray) -> np.ndarray:
+        """Errors of the equations at a solution, of its steps, shape (N,). z has the shape (N + 1,)."""
 
     def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
         """The problem discretised for special points near z. z and weights have the shape (N + 1,)."""

@@ -110,6 +110,8 @@ class Sample:
         Whether the last eigenvalue, out of order, is that of the branch's own direction: zero all along it.
     kinks : tuple of Kink
         Where the field is smooth by pieces only along an orbit.
+    along : bool
+        Whether one of the eigenvalues is critical because the parameter stands still along the branch.
     resting : ndarray of complex
         Eigenvalues beside `eigenvalues` that are critical all along the branch.
     period, trivial_error : float
@@ -143,6 +145,7 @@ class Sample:
     reported: np.ndarray | None = None
     forbidden: bool = False
     still: bool = False
+    along: bool = False
     kinks: tuple[Kink, ...] = ()
     resting: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=complex))
 
@@ -174,7 +177,8 @@ class Sample:
     def undecided(self) -> int:
         """How many eigenvalues are not known to the sign that tells their stability."""
         last = len(self.measures) - self.still
-        return int(np.count_nonzero(~(np.abs(self.measures[:last]) > self.errors[:last])))
+        lost = int(np.count_nonzero(~(np.abs(self.measures[:last]) > self.errors[:last])))
+        return max(lost - self.along, 0)
 
     @property
     def stable(self) -> bool | None:

@@ -58,6 +58,8 @@ class Multipliers:
         What the steps do to their sum: where two meet it is known better than they are.
     own : ndarray of bool, shape (r,), optional
         The one that is a family's own beside pairs: it tells no stability, and comes last.
+    along : bool
+        Whether one is the family's own along which the parameter stands still: it is one for that reason.
     """
 
     values: np.ndarray
@@ -68,6 +70,7 @@ class Multipliers:
     accuracies: np.ndarray | None = None
     of_sums: float | None = None
     own: np.ndarray | None = None
+    along: bool = False
 
     @property
     def measures(self) -> np.ndarray:
@@ -130,7 +133,8 @@ class Multipliers:
         own = (off <= (SAFELY if zero else 1.0) * known) & (self.values.imag == 0.0)
         errors = np.where(own, np.maximum(self.errors, np.maximum(known, off)), self.errors)
         # It is one: by what it differs from that, others may be wrong as well.
-        found = replace(self, errors=errors, accuracy=float(np.max(off[own], initial=self.accuracy)))
+        worst = float(np.max(off[own], initial=self.accuracy))
+        found = replace(self, errors=errors, accuracy=worst, along=bool(np.any(own)))
         return found._in_pairs(int(np.argmin(np.where(own, off, np.inf)))) if np.any(own) else found
 
     def _in_pairs(self, own: int) -> Multipliers:

@@ -132,6 +132,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
             period=self.duration(z),
             trivial_error=trivial,
             kinks=met,
+            along=found.along,
             observables=self.observables(z, accurate) if known is None else known.observables,
             reported=self.reported(z) if known is None else known.reported,
             **told,
