@@ -108,9 +108,9 @@ def scale_of(branches: Sequence[Branch], names: Sequence[str]) -> np.ndarray:
     )
     span = np.ptp(columns, axis=0)
     unit = np.max(np.nan_to_num(units), axis=0)
-    still = span <= np.maximum(
-        STANDS_STILL * np.max(np.abs(columns), axis=0), 10.0 * np.nanmedian(claims, axis=0)
-    )
+    told = (own[np.isfinite(own)] for own in claims.T)
+    known = np.array([np.median(own) if len(own) else 0.0 for own in told])
+    still = span <= np.maximum(STANDS_STILL * np.max(np.abs(columns), axis=0), 10.0 * known)
     return np.where(still, np.where(unit > 0.0, unit, 1.0), span)
 
 

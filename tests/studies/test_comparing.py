@@ -231,3 +231,17 @@ def test_lines_of_a_chart_are_laid_beside_those_at_the_same_value(study):
         found = cw.diff(copied(a, order=lines), copied(a, order=lambda own: lines(own)[::-1]))
         assert found.same, [each.text for each in found.all_differences]
         assert [(each.a, each.b) for each in found.branches] == [(("b1",), ("b1",)), (("b9",), ("b9",))]
+
+
+def test_a_branch_of_the_point_alone_at_which_it_is_born_is_the_same_as_itself(study):
+    """What solutions there are known to is not told: 4 differences were, of a database and itself."""
+
+    def born(branch: Branch) -> Branch:
+        if branch.info.parent is None:
+            return branch
+        return replace(branch, points=branch.points[branch.points["s"] == 0.0])
+
+    with cw.open_database(study["1e-6"]) as a:
+        own, other = copied(a, born), copied(a, born)
+    assert [len(branch) for branch in own][1:] == [1]
+    assert not cw.diff(own, other).all_differences
