@@ -79,9 +79,9 @@ def _turned(segment: Segment, kind: PointType) -> Found | None:
     if theta is None:
         return None
     sample = segment.at(theta)
-    equations = segment.problem.linearize(sample.z)
-    known = equations.parameter_error(sample.tangent, sample.weights, meshed.errors_at(sample.z))
-    rounding = equations.parameter_error(sample.tangent, sample.weights, equations.levels[0])
+    equations, row = segment.problem.linearize(sample.z), sample.tangent / sample.weights**2
+    known = equations.parameter_error(row, sample.weights, meshed.errors_at(sample.z))
+    rounding = equations.parameter_error(row, sample.weights, equations.levels[0])
     rises = [abs(sample.parameter - end.parameter) for end in (segment.a, segment.b)]
     if not min(rises) > KNOWN * (rounding + segment.length * known):
         return None

@@ -30,10 +30,6 @@ class ContinuationState:
     s: float
     step: float
 
-    def at_bound(self, settings: Settings) -> bool:
-        """Whether this is an end of a range, facing out of it."""
-        return self.bound_at(settings) is not None
-
     def bound_at(self, settings: Settings) -> int | None:
         """The place in z of the free parameter at whose bound this is, facing out of it."""
         z, tangent = self.sample.z, self.sample.tangent

@@ -138,7 +138,9 @@ def _taken(
         If it is not to be trusted.
     """
     prediction, smallest, length = attempted.prediction, attempted.smallest, attempted.length
-    segment = _segment(state, prediction, attempted.correction, settings, smallest or search.on_parabola)
+    trusted = smallest or search.on_parabola
+    shorter = bool(search.parabolas)
+    segment = _segment(state, prediction, attempted.correction, settings, trusted, shorter)
     if search.parabolas and segment.b.error > BLURRED * length:
         raise _Blurred("Where the step ends is not known beside its length.")
     segment = kinks_passed.with_kinks(segment, attempted.passed)
@@ -207,8 +209,12 @@ def _segment(
     correction: Correction,
     settings: Settings,
     smallest: bool,
+    shorter: bool,
 ) -> Segment:
-    """The piece of branch up to the corrected point; `TooLong` if it is not to be trusted."""
+    """The piece of branch up to the corrected point; `TooLong` if it is not to be trusted.
+
+    `shorter`: longer attempts have led to a parabola.
+    """
     problem, a, linearization = correction.problem, state.sample, correction.linearization
     assert linearization is not None
     z = correction.z
@@ -221,7 +227,7 @@ def _segment(
         raise LostBranch("The step is too short to be told from none in double precision.")
     tangent = _tangent(a, linearization)
     if not smallest:
-        _check_shape(a, z, tangent, prediction, settings)
+        _check_shape(a, z, tangent, prediction, settings, shorter)
     if not control.inside(z, settings.bounds):
         raise TooLong("The step passes the end of the range.")
     if problem.equivalence.gains_symmetry(a.z, z):
@@ -268,16 +274,25 @@ def _tangent(a: Sample, linearization: Linearization) -> np.ndarray:
 
 
 def _check_shape(
-    a: Sample, z: np.ndarray, tangent: np.ndarray, prediction: Prediction, settings: Settings
+    a: Sample,
+    z: np.ndarray,
+    tangent: np.ndarray,
+    prediction: Prediction,
+    settings: Settings,
+    shorter: bool,
 ) -> None:
-    """Refuse a step on which the branch turns too much, or that may have ended on another branch."""
+    """Refuse a step on which the branch turns too much, or that may have ended on another branch.
+
+    Where longer ones have led to the parabola that a branch begins as, what is none is errors.
+    """
+    refused = _Blurred if shorter else TooLong
     angle = control.turn(a, tangent)
     moved = norm_in(z - prediction.guess, a.weights)
     if angle > settings.max_angle or moved > 0.5 * prediction.length:
         parabola = a.orientation == 0.0 and not prediction.to_bound and control.is_parabola(a, z, tangent)
-        raise (Parabola if parabola else TooLong)(f"The branch turns by {angle:.0f} degrees in one step.")
+        raise (Parabola if parabola else refused)(f"The branch turns by {angle:.0f} degrees in one step.")
     if control.left_branch(a, z, tangent, angle):
-        raise TooLong("The step does not lie along the branch: it may have left it for another one.")
+        raise refused("The step does not lie along the branch: it may have left it for another one.")
 
 
 def _onto_crossing(problem: Problem, a: Sample, z: np.ndarray, linearization: Linearization) -> Segment:

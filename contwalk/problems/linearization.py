@@ -105,17 +105,16 @@ class Linearization:
         except np.linalg.LinAlgError:
             return 0.0, float("inf")
 
-    def parameter_error(self, tangent: np.ndarray, weights: np.ndarray, levels: np.ndarray) -> float:
-        """What errors of the equations do to the last unknown, where the place along the tangent is held.
+    def parameter_error(self, row: np.ndarray, weights: np.ndarray, levels: np.ndarray) -> float:
+        """What errors of the equations do to the last unknown; what is held has the gradient `row`.
 
-        The tangent and the weights have the shape (N + 1,), the levels of the errors (N,).
+        The row and the weights have the shape (N + 1,), the levels of the errors (N,).
         """
         try:
-            bordered = self.bordered(tangent / weights**2, weights)
-            row = bordered.solve_adjoint(np.eye(len(weights))[-1])[: len(levels)]
+            own = self.bordered(row, weights).solve_adjoint(np.eye(len(row))[-1])[: len(levels)]
         except np.linalg.LinAlgError:
             return float("inf")
-        return float(np.abs(row) @ levels)
+        return float(np.abs(own) @ levels)
 
     @property
     def finite(self) -> bool:

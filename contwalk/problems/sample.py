@@ -183,8 +183,8 @@ class Sample:
     @property
     def stable(self) -> bool | None:
         """Whether no eigenvalue is unstable; None where it is not known of one, and no other one is."""
-        if self.unstable + self.held_unstable == 0:
-            return None if self.undecided else True
+        if not self.undecided:
+            return self.unstable + self.held_unstable == 0
         last = len(self.measures) - self.still
         certain = self.held_unstable or np.any(self.measures[:last] > self.errors[:last])
         return False if certain else None

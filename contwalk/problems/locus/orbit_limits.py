@@ -127,11 +127,6 @@ class LimitsOnCurve:
             return (), ELSEWHERE
         return beyond_order.found(self._locus, point)
 
-    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Any]:
-        """None: what the way to another solution passes tells the diagnosis; a and b have the shape (N + k
-        + 2,)."""
-        return ()
-
 
 def told(orbit: Any, curve: OrbitCurve, margins: np.ndarray) -> np.ndarray:
     """Margins of all limits, shape (k,), one of what the curve itself holds at zero."""

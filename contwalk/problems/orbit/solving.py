@@ -60,9 +60,4 @@ def error_holding(problem: OrbitData, z: np.ndarray, weights: np.ndarray, held: 
 
     z, weights and `held` have the shape (N + 1,).
     """
-    try:
-        bordered = problem.factored(np.vstack([problem.jacobian(z), held]), weights)
-        row = bordered.solve_adjoint(np.eye(len(held))[-1])[:-1]
-    except np.linalg.LinAlgError:
-        return float("inf")
-    return float(np.abs(row) @ problem.errors_at(z))
+    return problem.linearize(z).parameter_error(held, weights, problem.errors_at(z))
