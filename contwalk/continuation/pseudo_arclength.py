@@ -268,10 +268,9 @@ def _known(found: Found, side: Sample) -> bool:
 
     At a bifurcation that is located an eigenvalue, or a pair of them, is critical, and known to be.
     """
-    if found.kind == "unlocated" or not side.undecided:
-        return not side.undecided
     many = int(found.located.vectors.get("multiplicity", 1)) if any(found.type.changes) else 0
-    return found.sample.undecided <= 2 * many
+    located = found.kind != "unlocated" and found.sample.undecided <= 2 * many
+    return located or not side.undecided
 
 
 def _slid(lost: SymmetriesLost, step: Step) -> bool:

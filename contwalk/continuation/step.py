@@ -15,7 +15,7 @@ from contwalk.continuation.end_ahead import end_ahead
 from contwalk.continuation.end_within import up_to_end
 from contwalk.continuation.locating import Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
-from contwalk.continuation.newton import Correction, Explanation, text_of
+from contwalk.continuation.newton import Explanation, text_of
 from contwalk.continuation.points_before_limits import COINCIDE, everything, everything_before
 from contwalk.continuation.prediction import Prediction, nearest_bound, towards_a_bound
 from contwalk.continuation.segment import LostBranch, Segment
@@ -138,9 +138,7 @@ def _taken(
         If it is not to be trusted.
     """
     prediction, smallest, length = attempted.prediction, attempted.smallest, attempted.length
-    trusted = smallest or search.on_parabola
-    shorter = bool(search.parabolas)
-    segment = _segment(state, prediction, attempted.correction, settings, trusted, shorter)
+    segment = _segment(state, attempted, settings, search)
     if search.parabolas and segment.b.error > BLURRED * length:
         raise _Blurred("Where the step ends is not known beside its length.")
     segment = kinks_passed.with_kinks(segment, attempted.passed)
@@ -203,19 +201,11 @@ def _shorter(problem: Problem, state: ContinuationState, attempted: Attempt) -> 
     )
 
 
-def _segment(
-    state: ContinuationState,
-    prediction: Prediction,
-    correction: Correction,
-    settings: Settings,
-    smallest: bool,
-    shorter: bool,
-) -> Segment:
-    """The piece of branch up to the corrected point; `TooLong` if it is not to be trusted.
-
-    `shorter`: longer attempts have led to a parabola.
-    """
-    problem, a, linearization = correction.problem, state.sample, correction.linearization
+def _segment(state: ContinuationState, attempted: Attempt, settings: Settings, search: _Search) -> Segment:
+    """The piece of branch up to the corrected point; `TooLong` if it is not to be trusted."""
+    prediction, correction, a = attempted.prediction, attempted.correction, state.sample
+    problem, linearization = correction.problem, correction.linearization
+    smallest = attempted.smallest or search.on_parabola
     assert linearization is not None
     z = correction.z
     if prediction.bounded is not None:
@@ -227,7 +217,7 @@ def _segment(
         raise LostBranch("The step is too short to be told from none in double precision.")
     tangent = _tangent(a, linearization)
     if not smallest:
-        _check_shape(a, z, tangent, prediction, settings, shorter)
+        _check_shape(a, z, tangent, prediction, settings, bool(search.parabolas))
     if not control.inside(z, settings.bounds):
         raise TooLong("The step passes the end of the range.")
     if problem.equivalence.gains_symmetry(a.z, z):

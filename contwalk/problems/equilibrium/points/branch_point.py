@@ -192,16 +192,22 @@ def branch_point_coefficients(
     size, z = problem.size, located.z
     jacobian = problem.jacobian(z)
     q, p = critical_vectors(problem, z)
-    h = _bordered(jacobian[:, :size], q, p).solve(np.append(-jacobian[:, -1], 0.0))[:size]
+    bordered = _bordered(jacobian[:, :size], q, p)
+    h = bordered.solve(np.append(-jacobian[:, -1], 0.0))[:size]
     forms = Forms(problem, z)
     q1, h1 = np.append(q, 0.0), np.append(h, 1.0)
     c11 = float(p @ forms.second(q1, q1))
-    c12 = float(p @ forms.second(q1, h1))
+    moving = forms.second(q1, h1)
+    c12 = float(p @ moving)
     c22 = float(p @ forms.second(h1, h1))
-    matrix, errors = jacobian[:, :size], problem.errors_of_matrix(z)
-    c = _cubic(problem, z, matrix, q, p)
+    errors = problem.errors_of_matrix(z)
+    c = _cubic(problem, z, bordered, q, p)
     moves = zip(rounded(z, weights), (errors, -errors), strict=True)
     c_error = max(abs(_moved_cubic(problem, there, more, q, p) - c) for there, more in moves)
+    if abs(c12) <= SURE * EPSILON * float(np.linalg.norm(p) * np.linalg.norm(moving)):
+        c_error = (
+            np.inf
+        )  # p is that of another eigenvalue, which is not known from zero, as well as of this one
     # How far the parameter moves while the unknowns move by their typical magnitudes along q, to second and
     # to third order, against its own magnitude.
     reach = 1.0 / float(np.linalg.norm(q / weights[:-1]))
@@ -212,11 +218,11 @@ def branch_point_coefficients(
 
 
 def _cubic(
-    problem: EquilibriumEquations, z: np.ndarray, matrix: np.ndarray, q: np.ndarray, p: np.ndarray
+    problem: EquilibriumEquations, z: np.ndarray, bordered: Factored, q: np.ndarray, p: np.ndarray
 ) -> float:
     """c of the reduced equation along the critical vector, zero where it is nothing against its terms."""
     size, forms = problem.size, Forms(problem, z)
-    h2 = _bordered(matrix, q, p).solve(np.append(forms.second(q, q), 0.0))[:size]
+    h2 = bordered.solve(np.append(forms.second(q, q), 0.0))[:size]
     cubic, mixed = forms.third(q, q, q), 3.0 * forms.second(q, h2)
     c = float(p @ (cubic - mixed)) / 6.0
     return c if abs(6.0 * c) > EQUAL * float(np.abs(p) @ (np.abs(cubic) + np.abs(mixed))) else 0.0
@@ -225,14 +231,16 @@ def _cubic(
 def _moved_cubic(
     problem: EquilibriumEquations, z: np.ndarray, more: np.ndarray, q: np.ndarray, p: np.ndarray
 ) -> float:
-    """c at a place beside the point, with F_u changed by as much as it is not known to, shape (N, N)."""
+    """c at a place beside the point, with F_u changed by as much as it is not known to, shape (N, N).
+
+    Its critical vectors are as large along q and p as these: a state in large units would change lengths.
+    """
     size, signs = problem.size, np.cos(np.arange(1.0, problem.size + 1.0))  # none of a machine's symmetries
     matrix = problem.jacobian(z)[:, :size] + more * np.sign(np.outer(signs, signs[::-1]))
     unit = np.append(np.zeros(size), 1.0)
     bordered = _bordered(matrix, q, p)
     right, left = bordered.solve(unit)[:size], bordered.solve_adjoint(unit)[:size]
-    right = right / np.linalg.norm(right)
-    return _cubic(problem, z, matrix, right, left / float(left @ right))
+    return _cubic(problem, z, bordered, right, left * float(p @ p))
 
 
 def _bordered(matrix: np.ndarray, q: np.ndarray, p: np.ndarray) -> Factored:
