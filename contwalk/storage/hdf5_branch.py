@@ -103,9 +103,12 @@ class StoredBranch:
 
     def copy_to(self, file: h5py.File, order: int, rows: int | None, specials: list[int] | None) -> None:
         """Write the branch into another file, with its first `rows` and some `specials` (all for None)."""
-        points, special_points = self.rows(), self._read()[1]
+        stored, special_points = self._read()
         special_points = special_points.astype(special_record_dtype(self.info), copy=False)
-        kept, special_points = points[:rows], special_points if specials is None else special_points[specials]
+        kept, special_points = (
+            self._of_today(stored)[:rows],
+            special_points if specials is None else special_points[specials],
+        )
         ended = None
         if self._end is not None:
             ended = pieces(outcome_text(*self._end, Extent.of(_packed(self.info, kept), special_points)))
@@ -131,7 +134,11 @@ class StoredBranch:
 
     def rows(self) -> np.ndarray:
         """Whole points in the order of appending, shape (k,), of dtype `info.point_dtype()`."""
-        stored, dtype = self._read()[0].view(self._packed), self.info.point_dtype()
+        return self._of_today(self._read()[0])
+
+    def _of_today(self, records: np.ndarray) -> np.ndarray:
+        """Records of points, shape (k,), with the columns of `info.point_dtype()`."""
+        stored, dtype = records.view(self._packed), self.info.point_dtype()
         if self._packed.names == dtype.names:
             return stored.astype(dtype)
         rows = np.zeros(len(stored), dtype)
