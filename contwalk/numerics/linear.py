@@ -313,7 +313,7 @@ def _refined_pair(matrix: np.ndarray, errors: np.ndarray, q: np.ndarray, p: np.n
     """Null vectors near given ones, shape (n,), all entries as exact as the matrix, shape (n, n), tells."""
     size, unit = len(matrix), np.append(np.zeros(len(matrix)), 1.0)
     q, p = q / np.linalg.norm(q), p / np.linalg.norm(p)
-    bordered = Factored(np.block([[matrix, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+    bordered = bordered_by(matrix, q, p)
     try:
         q, p = bordered.solve(unit)[:size], bordered.solve_adjoint(unit)[:size]
         inverse = bordered.solve(np.eye(size + 1))[:size, :size]
@@ -339,13 +339,13 @@ def solution_plane(jacobian: np.ndarray, pair: EigenPair) -> np.ndarray:
         Its critical vectors q and p; h solves F_u h = -F_lambda in the complement of q.
     """
     size = len(jacobian)
-    h = bordered_by(jacobian[:, :size], pair).solve(np.append(-jacobian[:, -1], 0.0))[:size]
-    return np.column_stack([np.append(pair.right.real, 0.0), np.append(h, 1.0)])
-
-
-def bordered_by(matrix: np.ndarray, pair: EigenPair) -> Factored:
-    """A singular (n, n) matrix bordered by its critical vectors, regular if it has no others."""
     q, p = pair.right.real, pair.left.real
+    h = bordered_by(jacobian[:, :size], q, p).solve(np.append(-jacobian[:, -1], 0.0))[:size]
+    return np.column_stack([np.append(q, 0.0), np.append(h, 1.0)])
+
+
+def bordered_by(matrix: np.ndarray, q: np.ndarray, p: np.ndarray) -> Factored:
+    """A singular (n, n) matrix bordered by its critical vectors, shape (n,), regular if it has no others."""
     return Factored(np.block([[matrix, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
 
 

@@ -60,7 +60,7 @@ def crossing(jacobian: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.
     """
     size = len(jacobian)
     pair = critical_pair(jacobian[:, :size])
-    simple = bordered_by(jacobian[:, :size], pair).condition() < SINGULAR
+    simple = bordered_by(jacobian[:, :size], pair.right.real, pair.left.real).condition() < SINGULAR
     seen = abs(float(pair.left.real @ jacobian[:, -1])) * weights[-1]
     in_range = seen <= IN_RANGE * float(np.abs(pair.left) @ (np.abs(jacobian) @ weights))
     if not (simple and in_range):

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import NotFinite
-from contwalk.numerics.linear import Factored
+from contwalk.numerics.linear import bordered_by
 from contwalk.system import System
 
 EPSILON = float(np.finfo(float).eps)
@@ -160,7 +160,7 @@ def fold(map_: SectionMap) -> dict[str, Any]:
 def cusp(map_: SectionMap) -> dict[str, Any]:
     """c of xi -> xi + c xi^3 at a fold whose quadratic coefficient is zero."""
     q, p = map_.critical(1.0)
-    bordered = Factored(np.block([[map_.a - np.eye(len(q)), p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+    bordered = bordered_by(map_.a - np.eye(len(q)), q, p)
     h = bordered.solve(np.append(-map_.b(q, q), 0.0))[:-1]
     return {
         "c": float(p @ map_.curve(q, h)[2]) / 6.0,
@@ -242,7 +242,7 @@ def branch_point(map_: SectionMap, weight: float) -> dict[str, Any]:
     """
     q, p = map_.critical(1.0)
     shifted = map_.a - np.eye(len(q))
-    bordered = Factored(np.block([[shifted, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+    bordered = bordered_by(shifted, q, p)
     h = bordered.solve(np.append(-map_.by_parameter, 0.0))[:-1]
     b11 = map_.b(q, q)
     c11 = float(p @ b11)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.numerics.linear import EPSILON, Factored, critical_pair, deficiency
+from contwalk.numerics.linear import EPSILON, Factored, bordered_by, critical_pair, deficiency
 from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.equilibrium.defining_systems import dot, solve
@@ -192,7 +192,7 @@ def branch_point_coefficients(
     size, z = problem.size, located.z
     jacobian = problem.jacobian(z)
     q, p = critical_vectors(problem, z)
-    bordered = _bordered(jacobian[:, :size], q, p)
+    bordered = bordered_by(jacobian[:, :size], q, p)
     h = bordered.solve(np.append(-jacobian[:, -1], 0.0))[:size]
     forms = Forms(problem, z)
     q1, h1 = np.append(q, 0.0), np.append(h, 1.0)
@@ -204,10 +204,9 @@ def branch_point_coefficients(
     c = _cubic(problem, z, bordered, q, p)
     moves = zip(rounded(z, weights), (errors, -errors), strict=True)
     c_error = max(abs(_moved_cubic(problem, there, more, q, p) - c) for there, more in moves)
+    # Where c12 is rounding p may as well be that of another eigenvalue, which is not known from zero either.
     if abs(c12) <= SURE * EPSILON * float(np.linalg.norm(p) * np.linalg.norm(moving)):
-        c_error = (
-            np.inf
-        )  # p is that of another eigenvalue, which is not known from zero, as well as of this one
+        c_error = np.inf
     # How far the parameter moves while the unknowns move by their typical magnitudes along q, to second and
     # to third order, against its own magnitude.
     reach = 1.0 / float(np.linalg.norm(q / weights[:-1]))
@@ -238,14 +237,9 @@ def _moved_cubic(
     size, signs = problem.size, np.cos(np.arange(1.0, problem.size + 1.0))  # none of a machine's symmetries
     matrix = problem.jacobian(z)[:, :size] + more * np.sign(np.outer(signs, signs[::-1]))
     unit = np.append(np.zeros(size), 1.0)
-    bordered = _bordered(matrix, q, p)
+    bordered = bordered_by(matrix, q, p)
     right, left = bordered.solve(unit)[:size], bordered.solve_adjoint(unit)[:size]
     return _cubic(problem, z, bordered, right, left * float(p @ p))
-
-
-def _bordered(matrix: np.ndarray, q: np.ndarray, p: np.ndarray) -> Factored:
-    """A singular matrix bordered by its critical vectors."""
-    return Factored(np.block([[matrix, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
 
 
 def is_pitchfork(problem: EquilibriumEquations, located: Located, q: np.ndarray, p: np.ndarray) -> bool:
@@ -282,9 +276,7 @@ def _refined_null_vector(
 
     size = problem.size
     z = np.array([float(v) for v in [*inputs[0], *inputs[1]]])
-    bordered = Factored(
-        np.block([[problem.jacobian(z)[:, :size], p[:, None]], [q[None, :], np.zeros((1, 1))]])
-    )
+    bordered = bordered_by(problem.jacobian(z)[:, :size], q, p)
     vector = [mpmath.mpf(float(v)) for v in q]
     for _ in range(4):
         residual = problem.kernels.first.exactly(*inputs, [*vector, 0])
