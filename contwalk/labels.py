@@ -23,6 +23,9 @@ MEANINGS = {
     "BE": "boundary equilibrium",
 }
 
+# What a row, a line or a region is called whose stability is not known.
+UNDECIDED = "stability not known"
+
 # Those of equilibria at which the number of unstable directions, or of solutions, changes.
 BORDERS = ("LP", "HB", "BP")
 # Those at which branches of the same kind of solutions cross.

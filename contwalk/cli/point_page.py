@@ -19,6 +19,7 @@ from contwalk.cli.summary import free_value
 from contwalk.cli.terminal import line, table
 from contwalk.cli.words import exact, meaning, plural, rough, with_unit
 from contwalk.errors import ContwalkError
+from contwalk.labels import UNDECIDED
 from contwalk.special_point import told_count, told_sides
 
 if TYPE_CHECKING:
@@ -128,7 +129,7 @@ def print_row(
     hybrid = facts_at(system, branch, row)
     info, point = branch.info, branch.points[row]
     line(out, f"{branch.name}/{row}  point of {info.problem.replace('_', ' ')}", style="bold")
-    stable = {1: "stable", 0: "not stable"}.get(int(point["stable"]), "stability not known")
+    stable = {1: "stable", 0: "not stable"}.get(int(point["stable"]), UNDECIDED)
     line(out, f"unstable directions: {told_count(int(branch['unstable'][row]))} ({stable})", indent=4)
     period, trivial = float(point["period"]), float(point["trivial_error"])
     known = None if math.isnan(trivial) else trivial

@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk.cli.terminal import line, table
 from contwalk.cli.words import choices, exact, meaning, plural, rough, with_unit
+from contwalk.labels import UNDECIDED
 from contwalk.signatures import folded
 from contwalk.special_point import told_sides
 from contwalk.system.units import lasting
@@ -140,7 +141,7 @@ def _not_known(branch: Branch, unknown: np.ndarray) -> str:
         else f"{free} {values.min():.6g} to {values.max():.6g}"
     )
     return (
-        f"stability not known at {len(values)} of {plural(len(branch), 'point')} ({where}): an eigenvalue or "
+        f"{UNDECIDED} at {len(values)} of {plural(len(branch), 'point')} ({where}): an eigenvalue or "
         "multiplier is within its error of where it changes"
     )
 

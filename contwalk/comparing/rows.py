@@ -12,9 +12,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.comparing.curve import AT_NODE, Curve, Foot, from_border
 from contwalk.comparing.difference import ADMISSIBILITY, ROWS, STABILITY, VALUE, Difference, apart
-
-# What is told of a row whose stability is not known.
-NOT_KNOWN = "stability not known"
+from contwalk.labels import UNDECIDED
 
 
 @dataclass(frozen=True)
@@ -115,7 +113,7 @@ def turned(own: Curve, places: Sequence[Met], side: str) -> Iterator[Difference]
             # What is not known is not told otherwise.
             unsure = what == STABILITY and not (near[place.row] > 0.0 and known[place.row])
             expected = set() if unsure else _expected(own, place, of_row, of_point)
-            expected = set() if NOT_KNOWN in expected else expected
+            expected = set() if UNDECIDED in expected else expected
             said = of_row(own, place.row)
             regular = not own.special_nodes[own.node_of[place.row]]
             found.append(
@@ -182,7 +180,7 @@ def told_stability(unstable: int, stable: bool) -> str:
     if unstable > 0:
         return f"{unstable} unstable direction{'' if unstable == 1 else 's'}"
     if unstable < 0:
-        return NOT_KNOWN
+        return UNDECIDED
     return "stable" if stable else "not stable, no unstable direction"
 
 

@@ -75,7 +75,7 @@ def _turned(segment: Segment, kind: PointType) -> Found | None:
     meshed = segment.problem.meshed
     if meshed is None or segment.vertical:
         return None
-    theta = zero_of(lambda theta: _share(segment.at(theta)), 0.0, 1.0)
+    theta = zero_of(lambda theta: segment.at(theta).share, 0.0, 1.0)
     if theta is None:
         return None
     sample = segment.at(theta)
@@ -88,10 +88,6 @@ def _turned(segment: Segment, kind: PointType) -> Found | None:
     error = max(known, float(np.spacing(abs(sample.parameter))))
     located = Located(sample.z, error, {TURNED: True}, problem=segment.problem)
     return Found(theta, kind, located, sample)
-
-
-def _share(sample: Sample) -> float:
-    return float(sample.tangent[-1] / sample.weights[-1])
 
 
 def _zero(segment: Segment, kind: PointType, low: float, high: float) -> float | None:

@@ -66,7 +66,7 @@ def bifurcations(segment: Segment) -> list[Found]:
         except Disagreement:
             found = at_the_turn(segment, hidden.which)
             if not found:
-                raise hidden from None
+                raise
     _check_apart(segment, found)
     return found
 
@@ -342,7 +342,7 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
         sample = segment.at(theta)
         kind = crossed(segment.problem, sample, which)
         if kind is not None:
-            still = abs(float(sample.tangent[-1] / sample.weights[-1])) <= FLAT
+            still = abs(sample.share) <= FLAT
             # From farther away it may be a long way along the branch, on each of several finer steps.
             flat = kind.flat if still and abs(sample.measures[which]) < NEARLY else ()
             return first_accepted(segment, (kind, *flat), sample, which, left, right)

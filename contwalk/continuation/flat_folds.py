@@ -24,7 +24,7 @@ def flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[f
     eigenvalue passes, and known along the branch as well as that is.
     """
     ends = [segment.at(theta) for theta in (low, high)]
-    share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
+    share = max(abs(end.share) for end in ends)
     kind = kind_of_test(segment.problem, Test.TURN)
     if share > FLAT:
         _refuse_jump(segment, ends, crossings[0][1])

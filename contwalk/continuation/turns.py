@@ -22,8 +22,7 @@ def share_of(sample: Sample, tangent: np.ndarray | None = None) -> float:
     """
     if tangent is not None:
         return float(at_branch_point(tangent, sample.weights)[-1] / sample.weights[-1])
-    share = float(sample.tangent[-1] / sample.weights[-1])
-    return share if abs(share) > NO_SHARE else 0.0
+    return sample.share if abs(sample.share) > NO_SHARE else 0.0
 
 
 def at_branch_point(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -55,7 +54,7 @@ def only_noise(segment: Segment, low: float, high: float) -> bool:
     """
     ends = [segment.at(theta) for theta in (low, high)]
     errors = np.nan_to_num([end.error for end in ends])
-    share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
+    share = max(abs(end.share) for end in ends)
     if segment.problem.meshed is None or share > float(errors.sum()) / max(segment.length, 1e-300):
         return False
     certain = [np.abs(end.measures) > end.errors for end in ends]

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from contwalk.branch import Branch
+from contwalk.labels import UNDECIDED
 from contwalk.plotting.overlaps import Cover
 from contwalk.plotting.segments import runs
 from contwalk.plotting.smooth_curves import Curve
@@ -18,9 +19,9 @@ from contwalk.plotting.style import light
 # Unstable lines are thinner too, so that a part shorter than one dash is not taken for a stable one.
 STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.9}
 UNSTABLE: dict[str, Any] = {"linestyle": "--", "linewidth": 1.1, "dashes": (4.5, 2.5)}
-UNDECIDED: dict[str, Any] = {"linestyle": ":", "linewidth": 1.5}
+NOT_KNOWN: dict[str, Any] = {"linestyle": ":", "linewidth": 1.5}
 # What is drawn how, and called what, by whether it is stable; None: not known.
-LOOKS = {True: ("stable", STABLE), False: ("unstable", UNSTABLE), None: ("stability not known", UNDECIDED)}
+LOOKS = {True: ("stable", STABLE), False: ("unstable", UNSTABLE), None: (UNDECIDED, NOT_KNOWN)}
 # Where the machine cannot move so, lines are light, on grey hatching across them.
 HATCHING: dict[str, Any] = {
     "linestyle": "--",

@@ -12,12 +12,13 @@ from matplotlib.patches import Patch
 
 from contwalk.branch import Branch
 from contwalk.chart import Chart, Region
+from contwalk.labels import UNDECIDED
 from contwalk.plotting.locus import plot_locus
 from contwalk.plotting.style import GREY, INK, legend_above, new_axes
 
 # Of no, one, two, .. unstable directions; more of them look like the last.
 FILLS = ("#cfe3f3", "#fbe3c8", "#e9d3e3", "#d9d9d9", "#c4c4c4")
-NOTHING, UNDECIDED = "#ffffff", "#f4f0b8"
+NOTHING, NOT_KNOWN = "#ffffff", "#f4f0b8"
 # Hatched where no solution is admissible.
 HATCH = "///"
 # Cells across, below which there is no room for the numbers in a region.
@@ -67,7 +68,7 @@ def plot_chart(
         many = "stable" if count == 0 else f"{count} unstable direction{'s' if count > 1 else ''}"
         handles.append(Patch(facecolor=_fill_of(count), edgecolor=GREY, linewidth=0.5, label=many))
     if None in counts:
-        handles.append(Patch(facecolor=UNDECIDED, edgecolor=GREY, linewidth=0.5, label="stability not known"))
+        handles.append(Patch(facecolor=NOT_KNOWN, edgecolor=GREY, linewidth=0.5, label=UNDECIDED))
     if any(solution is not None and not solution.admissible for solution in occurring):
         handles.append(Patch(facecolor=NOTHING, edgecolor=GREY, hatch=HATCH, label="not admissible"))
     if any(solution is None for solution in occurring):
@@ -79,7 +80,7 @@ def plot_chart(
 
 
 def _fill_of(count: int | None) -> str:
-    return UNDECIDED if count is None else FILLS[min(count, len(FILLS) - 1)]
+    return NOT_KNOWN if count is None else FILLS[min(count, len(FILLS) - 1)]
 
 
 def _fill(ax: Axes, chart: Chart) -> None:

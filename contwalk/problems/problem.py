@@ -269,22 +269,18 @@ class Meshed(Anchored, Protocol):
     @property
     def method(self) -> str:
         """How motions are integrated, and why so."""
-        ...
 
     def sizes_since(self, sample: Sample, begun: Sample) -> np.ndarray:
         """What weights of the metric grow with, shape (N + 1,), on a branch that began elsewhere."""
-        ...
 
     def errors_at(self, z: np.ndarray) -> np.ndarray:
         """Errors of the equations at a solution, of its steps, shape (N,). z has the shape (N + 1,)."""
 
     def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
         """The problem discretised for special points near z. z and weights have the shape (N + 1,)."""
-        ...
 
     def finest(self, z: np.ndarray, weights: np.ndarray) -> Problem:
         """The problem on the finest steps that rounding allows. z and weights have the shape (N + 1,)."""
-        ...
 
 
 class Problem(Protocol):
@@ -301,20 +297,16 @@ class Problem(Protocol):
     @property
     def point_types(self) -> Sequence[PointType]:
         """The kinds of special points of its branches."""
-        ...
 
     @property
     def evaluations(self) -> int:
         """Right-hand sides evaluated so far."""
-        ...
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """Residual, Jacobian and rounding level at z. z has the shape (N + 1,)."""
-        ...
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z) without rounding noise, for critical vectors, shape (N, N + 1)."""
-        ...
 
     def examine(
         self,
@@ -325,45 +317,36 @@ class Problem(Protocol):
         before: int | None,
     ) -> Sample:
         """Everything that is watched at a solution; `before` is the unstable count next to it."""
-        ...
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
-        ...
 
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch, as fields of `BranchInfo`."""
-        ...
 
     @property
     def observed(self) -> Observed:
         """What is measured of solutions: observables, and the state that stands for one."""
-        ...
 
     @property
     def diagnosis(self) -> Diagnosis:
         """What is known of places where a branch ends, or cannot go on."""
-        ...
 
     @property
     def equivalence(self) -> Equivalence:
         """Which solutions are one, or images of each other."""
-        ...
 
     @property
     def anchored(self) -> Anchored | None:
         """What of its equations is made for a place; None where they are the same everywhere."""
-        ...
 
     @property
     def meshed(self) -> Meshed | None:
         """How it is discretised; None where the equations are exact."""
-        ...
 
     @property
     def limited(self) -> Limited | None:
         """The limits of its solutions, where there are any."""
-        ...
 
 
 T = TypeVar("T", bound=Problem)

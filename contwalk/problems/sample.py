@@ -200,6 +200,11 @@ class Sample:
         return int(np.argmax(self.eigenvalues.real)) if self.still else 0
 
     @property
+    def share(self) -> float:
+        """The free parameter's component of the unit tangent, in the metric."""
+        return float(self.tangent[-1] / self.weights[-1])
+
+    @property
     def parameter(self) -> float:
         """Value of the free parameter."""
         return float(self.z[-1])

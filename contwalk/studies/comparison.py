@@ -69,7 +69,7 @@ def defining(problem: Problem, point: SpecialPoint, sample: Sample) -> PointType
     kind = kind_of(problem, point)
     if kind is None:
         raise ContwalkError(f"Points {point.label} are none of this branch's.")
-    still = abs(sample.tangent[-1] / sample.weights[-1]) < NO_SHARE
+    still = abs(sample.share) < NO_SHARE
     return kind.flat[0] if kind.flat and still else kind
 
 

@@ -214,7 +214,7 @@ def closed(problem: AnyOrbit, rough: Sample) -> tuple[AnyOrbit, Sample] | None:
     if rough.orientation == 0.0:
         return None
     along, z, before = rough.tangent / rough.weights**2, rough.z, np.inf
-    held = abs(rough.tangent[-1] / rough.weights[-1]) > STEEP
+    held = abs(rough.share) > STEEP
     normal = np.append(np.zeros(len(z) - 1), 1.0 / rough.weights[-1]) if held else along
     for _ in range(MOST_CORRECTIONS):
         if not linearization.finite:
