@@ -18,7 +18,7 @@ import numpy as np
 from contwalk.continuation.along import at_the_turn, located_along
 from contwalk.continuation.double_crossings import Hidden, knots_of
 from contwalk.continuation.flat_folds import doubt, flat_fold
-from contwalk.continuation.folds_with_pairs import agrees, with_its_pair
+from contwalk.continuation.folds_with_pairs import split, with_its_pair
 from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair
 from contwalk.continuation.locating import (
     SAME_POINT,
@@ -154,12 +154,16 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
     jump = segment.at(high).unstable - segment.at(low).unstable
     found = _branch_points(segment, low, high, known)
     found = _with_folds(segment, low, high, found)
-    if not agrees(segment, low, high, found):
+    between = split(segment, low, high, found)
+    if between is None:
         return with_its_pair(segment, low, high, found[0])
-    if jump in _reachable(segment, found):
+    if between:
+        parts = pairwise((low, *between, high))
+        return [point for part in parts for point in _crossings(segment, *part, known)]
+    if jump in _reachable(found):
         return found
     found += _measure_crossings(segment, low, high, found)
-    if jump not in _reachable(segment, found):
+    if jump not in _reachable(found):
         raise Disagreement(
             pair(segment.problem),
             "The number of eigenvalues that cross does not agree with the points found.",
@@ -167,20 +171,19 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
     return found
 
 
-def _reachable(segment: Segment, found: list[Found]) -> set[int]:
+def _reachable(found: list[Found]) -> set[int]:
     """Changes of the unstable count that points can bring about together."""
     sums = {0}
     for point in found:
-        sums = {total + change for total in sums for change in _changes(segment, point)}
+        sums = {total + change for total in sums for change in _changes(point)}
     return sums
 
 
-def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
+def _changes(found: Found) -> tuple[int, ...]:
     """Changes of the unstable count that one point can bring about.
 
     At a fold or a simple branch point one real eigenvalue passes zero, or none: a pitchfork met along the
-    branch that turns there leaves the count; so does a fold whose singular direction is a pinned one. Which
-    way it passes is seen right beside the point.
+    branch that turns there leaves the count; so does a fold whose singular direction is a pinned one.
     """
     if "multiplicity" in found.located.vectors:
         many = int(found.located.vectors["multiplicity"])
@@ -188,20 +191,7 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
     if found.type.test in (Test.STABILITY, Test.VALUE):
         return found.type.changes
     # Of a fold that is not told apart its own eigenvalue passes with the other one.
-    changes = (-2, -1, 0, 1, 2) if "turns" in found.located.vectors else found.type.changes
-    if segment.problem.meshed is not None:  # on its steps, a multiplier passes one beside the point
-        return changes
-    if found.type.test is Test.TURN and not _has_zero(found.sample):
-        return (0,)
-    low, high = max(found.theta - BESIDE, 0.0), min(found.theta + BESIDE, 1.0)
-    seen = segment.at(high).unstable - segment.at(low).unstable
-    return (seen,) if abs(seen) <= max(changes) else changes  # else another point is that near
-
-
-def _has_zero(sample: Sample) -> bool:
-    """Whether a real eigenvalue is at its critical value, to rounding."""
-    sizes = np.abs(sample.eigenvalues - sample.critical)
-    return bool(np.any(sizes <= 100.0 * sample.errors + 1e-9 * sizes.max(initial=0.0)))
+    return (-2, -1, 0, 1, 2) if "turns" in found.located.vectors else found.type.changes
 
 
 def _branch_points(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:
@@ -345,7 +335,8 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
             still = abs(sample.share) <= FLAT
             # From farther away it may be a long way along the branch, on each of several finer steps.
             flat = kind.flat if still and abs(sample.measures[which]) < NEARLY else ()
-            return first_accepted(segment, (kind, *flat), sample, which, left, right)
+            point = first_accepted(segment, (kind, *flat), sample, which, left, right)
+            return point if point is None or _passes_at(point.sample, which) else None
         # A real eigenvalue: its place is enough, and nearer to it the corrector may be singular.
         met = abs(sample.measures[which]) <= sample.errors[which]
         return theta if met or right - left < NEAR_REAL else None
@@ -367,6 +358,13 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
     kind = crossed(segment.problem, segment.at(high if abs(v1) < abs(v0) else low), which)
     kind = kind or pair(segment.problem)
     raise Disagreement(kind, f"Eigenvalues cross, but no point {kind.label} is found.")
+
+
+def _passes_at(sample: Sample, which: int) -> bool:
+    """Whether it may be eigenvalue `which` that is critical at a point, and not one that is beside it."""
+    known = np.maximum(sample.errors, sample.spectrum_error or 0.0)
+    sizes = np.abs(sample.beyond(sample.eigenvalues))
+    return bool(sizes[which] - known[which] <= np.min(sizes + known))
 
 
 def _with(located: Located, **vectors: object) -> Located:

@@ -14,7 +14,7 @@ import numpy as np
 
 from contwalk.continuation.halving import NEAR_ZERO
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
-from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
+from contwalk.continuation.locating import Disagreement, Found, locate, locate_multiple
 from contwalk.continuation.meeting_eigenvalues import PLACES, peaks
 from contwalk.continuation.on_finest_steps import on_finest_steps
 from contwalk.continuation.segment import LostBranch, Segment
@@ -151,11 +151,10 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     found = []
     outside = part.a.unstable
     inside = outside + (1 if part.a.measures[which] < 0.0 else -1) * _passing(part.a, which)
+    kind = crossed(part.problem, part.at(middle), which) or kind_of_test(part.problem, Test.ORIENTATION)
     for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
-        point = _crossing_between(part, which, low, high)
+        point = locate(part, kind, low, high, lambda t: float(part.at(t).measures[which]), which)
         if point is None:
-            at_middle = crossed(part.problem, part.at(middle), which)
-            kind = at_middle or kind_of_test(part.problem, Test.ORIENTATION)
             raise Disagreement(kind, "Of two near crossings one is lost.")
         found.append(replace(finer.placed(point), before=before, after=after, counted=True))
     return found
@@ -163,20 +162,6 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
 
 def _passing(sample: Sample, which: int) -> int:
     return 1 if sample.eigenvalues[which].imag == 0.0 else 2
-
-
-def _crossing_between(segment: Segment, which: int, low: float, high: float) -> Found | None:
-    """The special point at which measure `which` passes zero between two positions."""
-
-    def value(theta: float) -> float:
-        return float(segment.at(theta).measures[which])
-
-    def attempt(theta: float, left: float, right: float) -> Found | None:
-        sample = segment.at(theta)
-        kind = crossed(segment.problem, sample, which)
-        return None if kind is None else accepted(segment, kind, sample, which, left, right)
-
-    return narrow(value, low, high, value(low), value(high), attempt)
 
 
 def _touches(segment: Segment, which: int, theta: float) -> bool:

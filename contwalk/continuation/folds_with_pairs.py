@@ -3,33 +3,54 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from contwalk.continuation.kinds import crossed, pair
 from contwalk.continuation.locating import SAME_POINT, Disagreement, Found, accepted
 from contwalk.continuation.segment import Segment
-from contwalk.problems.problem import Test
+from contwalk.problems.problem import Sample, Test
 
 # How far apart two points at one place are told, in parts of the segment.
 APART = 1e-9
 
 
-def agrees(segment: Segment, low: float, high: float, found: list[Found]) -> bool:
-    """Whether no other eigenvalue has crossed between two positions, if a fold is found alone there.
+def split(segment: Segment, low: float, high: float, found: list[Found]) -> list[float] | None:
+    """Where to split what lies between two positions, since more has crossed than what is found there.
 
-    At the fold itself one eigenvalue vanishes, and the signs of the others are to be seen: the counts on both
+    At a located point one eigenvalue vanishes, and the signs of the others are to be seen: the counts on both
     sides must agree with them. Beside a Bogdanov-Takens point a Hopf point lies as near to a fold as one
-    likes, and together they change the count as a fold alone does.
+    likes, and together they change the count as a fold alone does. Nearer to the point than the other
+    crossing the count does agree: that is between two places. None where no place that near does at a fold
+    that is found alone.
     """
-    if len(found) != 1 or found[0].type.test is not Test.TURN or segment.problem.meshed is not None:
-        return True
-    sample = found[0].sample
+    # Of what lies between two points each is asked up to the middle.
+    edges = [low, *(0.5 * (f.theta + g.theta) for f, g in pairwise(found)), high]
+    alone = len(found) == 1 and found[0].type.test is Test.TURN and segment.problem.meshed is None
+    for point, *sides in zip(found, edges, edges[1:], strict=False):
+        possible = _counts_at(point.sample)
+        for side in sides:
+            around = [side]
+            while segment.at(around[-1]).unstable not in possible:
+                around.append(0.5 * (point.theta + around[-1]))
+                if abs(around[-1] - point.theta) < APART:
+                    if alone:
+                        return None
+                    break
+            else:
+                if len(around) > 1:
+                    return sorted({*around[-2:]} - {low, high})
+    return []
+
+
+def _counts_at(sample: Sample) -> range:
+    """How many eigenvalues may be unstable beside a solution: those that vanish there may, on either side."""
     sizes = np.abs(sample.eigenvalues - sample.critical)
-    vanish = sizes <= 100.0 * sample.errors + 1e-9 * sizes.max(initial=0.0)
+    known = np.maximum(sample.errors, sample.spectrum_error or 0.0)
+    vanish = sizes <= 100.0 * known + 1e-9 * sizes.max(initial=0.0)
     least = int(np.count_nonzero((sample.measures > 0.0) & ~vanish))
-    possible = range(least, least + int(np.count_nonzero(vanish)) + 1)
-    return all(segment.at(side).unstable in possible for side in (low, high))
+    return range(least, least + int(np.count_nonzero(vanish)) + 1)
 
 
 def with_its_pair(segment: Segment, low: float, high: float, fold: Found) -> list[Found]:
@@ -48,11 +69,8 @@ def with_its_pair(segment: Segment, low: float, high: float, fold: Found) -> lis
     before, after = segment.at(low).unstable, segment.at(high).unstable
     # A real one and a pair change the count by -1 and 2, say: by their sum both are known.
     both = next((c for c in ((1, 2), (1, -2), (-1, 2), (-1, -2)) if sum(c) == after - before), None)
-    point = None
-    if len(pairs) == 1 and both is not None:
-        which = int(pairs[0])
-        kind = crossed(segment.problem, sample, which)
-        point = None if kind is None else accepted(segment, kind, sample, which, low, high)
+    kind = crossed(segment.problem, sample, int(pairs[0])) if len(pairs) == 1 and both is not None else None
+    point = None if kind is None else accepted(segment, kind, sample, int(pairs[0]), low, high)
     if point is None or np.linalg.norm((point.located.z - fold.located.z) / segment.weights) > SAME_POINT:
         raise Disagreement(
             pair(segment.problem),

@@ -114,7 +114,8 @@ def _accepted(
     if located is None:
         return None
     theta = segment.position(located.z)
-    slack = 1e-3 * (right - left) + 1e-12
+    # Where equations are exact so is the place: what lies beside the bracket is not of it.
+    slack = ROUNDING / segment.length + (1e-3 * (right - left) if segment.problem.meshed else 1e-12)
     if kind.test is Test.ORIENTATION and segment.problem.meshed is not None:
         slack += _blurred(segment, DOUBTED)
     if not left - slack <= theta <= right + slack:

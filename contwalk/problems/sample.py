@@ -167,11 +167,11 @@ class Sample:
         if not (self.still or len(self.resting)):
             return self.eigenvalues
         values = np.concatenate([self.eigenvalues, self.resting])
-        return values[np.lexsort((-values.imag, -self._sizes(values)))]
+        return values[np.lexsort((-values.imag, -self.beyond(values)))]
 
-    def _sizes(self, values: np.ndarray) -> np.ndarray:
-        """What eigenvalues are ordered by: real parts; of orbits, moduli."""
-        return values.real if self.critical == 0.0 else np.abs(values)
+    def beyond(self, values: np.ndarray) -> np.ndarray:
+        """How far eigenvalues, shape (m,), are beyond critical: real parts; of orbits, moduli less one."""
+        return values.real if self.critical == 0.0 else np.abs(values) - self.critical
 
     @property
     def undecided(self) -> int:
@@ -192,7 +192,7 @@ class Sample:
     @property
     def held_unstable(self) -> int:
         """How many of the eigenvalues that the curve holds are unstable: one of both of neutral saddles."""
-        return int(np.count_nonzero(self._sizes(self.resting) > self.critical + RESTS))
+        return int(np.count_nonzero(self.beyond(self.resting) > RESTS))
 
     @property
     def leading(self) -> int:

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.numerics.linear import balanced
+from contwalk.numerics.spectrum import spectrum
 from contwalk.problems.equilibrium.defining_systems import VANISHED, real_eigenvalue
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
@@ -82,19 +82,22 @@ def _told(problem: EquilibriumEquations, found: Directions | None) -> str:
 def multiple_zero(problem: EquilibriumEquations, sample: Sample) -> Located | None:
     """The point near a sample at which F_u has a null space of more than one dimension."""
     located = real_eigenvalue(problem, sample, shift=None, deficient=True)
-    if located is None:
-        return None
-    values = np.linalg.eigvals(balanced(problem.jacobian(located.z)[:, : problem.size])[0])
     # Where all of them vanish together, what they become along the branch is a measure.
     fastest = max((abs(sample.rates[k]) for k in range(len(sample.eigenvalues))), default=0.0)
-    nothing = max(1e-6 * np.abs(values).max(), VANISHED * np.nan_to_num(fastest))
-    count = int(np.sum(np.abs(values) < nothing))
-    if count < 2:
-        return None
-    refine_fold = located.refine
+
+    def counted(there: Located, part: float = 1e-6) -> Located | None:
+        """With how many eigenvalues are none but for their errors, or a part of the largest one."""
+        matrix = problem.jacobian(there.z)[:, : problem.size]
+        found = spectrum(matrix, np.zeros_like(matrix), problem.errors_of_matrix(there.z))
+        least = max(part * np.abs(found.values).max(), VANISHED * np.nan_to_num(fastest))
+        count = int(np.sum(np.abs(found.values) <= np.maximum(found.errors, least)))
+        return replace(there, vectors={**there.vectors, "multiplicity": count}) if count > 1 else None
+
+    near = None if located is None else counted(located)
 
     def refined() -> Located | None:
-        found = refine_fold() if refine_fold is not None else located
-        return found and replace(found, vectors={**found.vectors, "multiplicity": count}, refine=None)
+        found = located.refine() if located is not None and located.refine is not None else located
+        # Where equations are solved to the last digit, one that is next to zero has a point of its own.
+        return found and counted(replace(found, refine=None), *([0.0] if found.refined else []))
 
-    return replace(located, vectors={**located.vectors, "multiplicity": count}, refine=refined)
+    return near and replace(near, refine=refined)
