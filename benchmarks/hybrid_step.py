@@ -25,11 +25,11 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from event_map import StepMap
 from orbit_and_monodromy import LEAST_SECONDS, TARGETS, Run, seconds_at
 
 from contwalk.flow.explicit import stages
 from contwalk.flow.explicit.driver_call import Call
-from contwalk.flow.hybrid.event_map import StepMap
 from contwalk.flow.hybrid.motions import HybridMachine, applied, hybrid_machine
 from contwalk.flow.hybrid.saltation import saltation
 from contwalk.system import load_system

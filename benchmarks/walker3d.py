@@ -39,6 +39,7 @@ from typing import Any
 import numpy as np
 from cpu_shares import Part, Shares
 from cpu_time import seconds_of
+from event_map import StepMap
 from hybrid_step import ByScipy, prepared, take_turns
 from orbit_and_monodromy import Run, seconds_at
 
@@ -49,7 +50,6 @@ from contwalk.flow.compiled.compiled_field import EACH
 from contwalk.flow.explicit import stages
 from contwalk.flow.explicit.driver_call import Call
 from contwalk.flow.hybrid.event_integrator import EventIntegrator
-from contwalk.flow.hybrid.event_map import StepMap
 from contwalk.flow.hybrid.event_records import ARRIVED
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, hybrid_machine, motion_segments

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hybrid_systems import BALL, COUNTERS, DAMPER, KICKS, STOP
 
-from contwalk.flow.hybrid.event_map import StepMap
+from benchmarks.event_map import StepMap
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.system import Mode, Parameter, State, System, Transition

@@ -10,8 +10,8 @@ import pytest
 from exact_machines import ExactLeg, exact_map
 from hybrid_systems import BALL, CHANGING, COUNTERS, DAMPER, KICKS, STOP, SWAP
 
+from benchmarks.event_map import StepMap
 from contwalk.errors import NotFinite, StartError
-from contwalk.flow.hybrid.event_map import StepMap
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.flow.hybrid.saltation import saltation

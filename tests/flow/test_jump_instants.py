@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hybrid_runs import machine
 
-from contwalk.flow.hybrid.event_map import StepMap
+from benchmarks.event_map import StepMap
 from contwalk.flow.hybrid.motion_events import MotionEvents, Standpoint
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments

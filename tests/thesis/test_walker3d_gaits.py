@@ -18,8 +18,8 @@ import pytest
 from autobalancer_figures import RUNS, figure_run
 from scipy.optimize import linear_sum_assignment
 
+from benchmarks.event_map import Mapped, StepMap
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.flow.hybrid.event_map import Mapped, StepMap
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, hybrid_machine, motion_segments
 from contwalk.workflow.run_file.reading import RunFile, read_run_file

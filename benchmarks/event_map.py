@@ -2,7 +2,7 @@
 
 For the explicit pair of order 8 it is one call of compiled code. Where that is not sure of itself, as with
 transitions that happen at once, and for the other methods, the segments are found one by one and
-differentiated on their steps.
+differentiated on their steps. What it costs is measured beside peers; tests show what it gives.
 """
 
 from __future__ import annotations
