@@ -11,8 +11,9 @@ from contwalk.continuation.initial_scales import initial_magnitudes, later_magni
 from contwalk.continuation.metric import UNKNOWN, crowded, parameter_weight, updated
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.settings import Settings
+from contwalk.errors import NotFinite
 from contwalk.numerics.linear import kernel_direction, norm_in
-from contwalk.problems.problem import Problem, Sample
+from contwalk.problems.problem import Problem, Sample, equations_at
 
 # A magnitude this many times an unknown's size and how far it moves is none.
 FAR = 100.0
@@ -53,6 +54,11 @@ def begin(
     `reach` then stands in for magnitudes that z does not tell. z, `toward` and what `reach` returns for the
     parameter's weight have the shape (N + 1,).
     Returns the failed `Correction` where there is no solution.
+
+    Raises
+    ------
+    NotFinite
+        If no discretisation of the equations reaches a z that is taken as a solution.
     """
     value = float(z[-1])
     if toward is None:
@@ -67,7 +73,9 @@ def begin(
         problem, z = correction.problem, correction.z
         if problem.line.second is None:
             z = np.append(z[:-1], value)
-    linearization = problem.linearize(z)
+    problem, linearization = equations_at(problem, z)
+    if not linearization.finite:
+        raise NotFinite(f"The equations have no finite value there: {problem.diagnosis.explain(z)}.", "")
     magnitudes = linearization.magnitudes
     span = parameter_weight(magnitudes[-1], settings.range, value)
     if toward is None and problem.meshed is None:

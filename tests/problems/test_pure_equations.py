@@ -27,7 +27,10 @@ from small_systems import small_problem
 from contwalk.continuation.newton import correct
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.segment import LostBranch, Segment
-from contwalk.errors import ContwalkError
+from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import begin
+from contwalk.errors import ContwalkError, NotFinite
+from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 from contwalk.problems.problem import PointType, Problem, Sample, equations_at
 from contwalk.system import Transition
 
@@ -231,3 +234,21 @@ def main(name: str, order: list[int]) -> None:
     opening = ORBITS[name]()
     there = points(name)
     print(json.dumps([bits(opening.problem, there[number]) for number in order]))
+
+
+def test_a_branch_begins_where_other_soft_transitions_are_met(monkeypatch):
+    """At a solution that the problem of the point before does not reach: as that of its own problem does."""
+    opening = spring_and_wall()
+    problem, sample = opening.problem, opening.state.sample
+    z = next(z for z in orbits("spring and wall") if problem.linearize(z).remeshed is not None)
+    settings = Settings((0.5, 2.0))
+    begun, own = (begin(each, z, settings, sample.tangent) for each in (problem, equations_at(problem, z)[0]))
+    assert begun.sample.z.tolist() == own.sample.z.tolist() == z.tolist()
+    assert begun.sample.eigenvalues.tolist() == own.sample.eigenvalues.tolist()
+
+    def refused(self: SoftOrbit, z: np.ndarray) -> None:
+        raise NotFinite("The instants have no solution.", "")
+
+    monkeypatch.setattr(SoftOrbit, "remeshed", refused)
+    with pytest.raises(NotFinite, match="no finite value there"):
+        begin(spring_and_wall().problem, z, settings, sample.tangent)
