@@ -180,7 +180,10 @@ def _refined(
             check = problem.refined(found[: size + 1], sample.weights, checked)
             correction = _checked(check, system, found, lacking)
         except NotFinite:
-            break
+            if best is not None or tolerance >= problem.mesh.tolerance:
+                break
+            tolerance = min(tolerance / CHECK, problem.mesh.tolerance)  # the field is not smooth to so much
+            continue
         if correction is None:
             break
         rounding = _rounding(check, system, found, list(free.values()))

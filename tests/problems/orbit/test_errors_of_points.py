@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from contwalk.errors import NotFinite
 from contwalk.numerics.linear import EPSILON, Factored
 from contwalk.problems.orbit import augmented
 
@@ -52,3 +53,27 @@ def test_where_finer_steps_change_nothing_rounding_is_left(steepness):
     assert found.z == pytest.approx([1.0 / 3.0, 1.0 / 3.0 / steepness], rel=2.0 * EPSILON)
     # The equation's own level, or the rounding of its terms where that is less, and no more than both.
     assert min(LEVEL, 1e2 * EPSILON) / steepness < found.error < (LEVEL + 1e2 * EPSILON) / steepness
+
+
+@pytest.mark.parametrize(("finest", "found"), [(2e-8, True), (1e-5, False)])
+def test_a_field_that_is_not_smooth_to_all_digits_is_followed_as_finely_as_it_is(finest, found):
+    """Steps for the accuracy that is asked for have no end there, as where a quotient comes near 0/0."""
+    problem, jacobian = made_up(2.0)
+
+    def refined(z, weights, tolerance):
+        if tolerance < finest:
+            raise NotFinite("One period of the motion takes more steps than are allowed.", "")
+        return problem
+
+    problem.refined = refined
+    system = augmented.Augmented(
+        lambda there, y: (np.append(jacobian @ y, y[0] - 0.5), np.vstack([jacobian, [1.0, 0.0]])),
+        np.array([0.4, 0.3]),
+        np.ones(2),
+        lambda there, y: {},
+    )
+    sample = SimpleNamespace(z=np.array([0.499, 0.2495]), weights=np.ones(2))
+    settled = augmented.solved(problem, system, sample).settled()
+    assert (settled is not None) == found
+    if found:
+        assert abs(settled.z[1] - 0.25) <= settled.error
