@@ -13,7 +13,7 @@ from contwalk.continuation.back_at_parent import WentOver, back_at_parent
 from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.end_ahead import end_ahead
 from contwalk.continuation.end_within import up_to_end
-from contwalk.continuation.locating import Disagreement, Found, TooLong
+from contwalk.continuation.locating import SAME_POINT, WELL_BEYOND, Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.newton import Explanation, text_of
 from contwalk.continuation.points_before_limits import COINCIDE, everything, everything_before
@@ -68,6 +68,8 @@ class _Search:
     # For the parent, beside which shorter steps know no more; for a point at which curves end.
     looked: bool = False
     ended: bool = False
+    # What the smallest step sees and cannot locate.
+    seen: Found | None = None
 
 
 def take_step(
@@ -105,7 +107,7 @@ def _met(
     if not correction.ok:
         return Refusal(correction.reason, correction.explanation)
     try:
-        return _taken(attempted, search, state, settings, observer)
+        return _seen_once(_taken(attempted, search, state, settings, observer), attempted, search, state)
     except _Blurred:
         return Refusal(correction.reason, "", instead=search.parabolas.pop())
     except Parabola as error:
@@ -150,12 +152,28 @@ def _taken(
         if short is None:
             return outcome
         segment = short
-    found = _special(segment, settings, observer, smallest, state)
+    found = _special(segment, settings, observer, smallest, state, search.seen)
     if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
         raise TooLong("The step ends at a limit, to within its errors.")
     if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
         found += [f for f in at_the_end(segment) if f.type.tells_of(f.located)]
     return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
+
+
+def _seen_once(
+    step: Step | Outcome, attempted: Attempt, search: _Search, state: ContinuationState
+) -> Step | Outcome | Refusal:
+    """A step, unless it is the smallest one and tells what it cannot locate.
+
+    Within what solutions are known to, tests change their signs several times at one such point: it is told
+    by the step that leads beyond that.
+    """
+    beyond = min(SAME_POINT, WELL_BEYOND * state.sample.error)
+    unlocated = [f for f in step.found if f.kind == "unlocated"] if isinstance(step, Step) else []
+    if not (unlocated and attempted.smallest and search.seen is None and attempted.length < beyond):
+        return step
+    search.seen = unlocated[0]
+    return Refusal(attempted.correction.reason, search.seen.located.vectors["note"], instead=beyond)
 
 
 def _given_up(
@@ -309,9 +327,17 @@ def _beside(segment: Segment) -> Sample:
 
 
 def _special(
-    segment: Segment, settings: Settings, observer: Observer, smallest: bool, state: ContinuationState
+    segment: Segment,
+    settings: Settings,
+    observer: Observer,
+    smallest: bool,
+    state: ContinuationState,
+    seen: Found | None,
 ) -> list[Found]:
-    """Everything special on a segment, in its order; at the smallest step, what cannot be located as well."""
+    """Everything special on a segment, in its order; at the smallest step, what cannot be located as well.
+
+    What that has `seen` is told where it was, with the counts of a segment around it.
+    """
     born = state.sample.orientation == 0.0
     try:
         reached = limits.passed(segment, begins=state.s == 0.0)
@@ -322,9 +348,11 @@ def _special(
             found, end = everything_before(segment, end, settings, observer, born)
             found += limits.up_to(segment.problem, reached, end, settings.events)
     except Disagreement as disagreement:
-        if not smallest:
+        if not (smallest or seen):
             raise
         found = [_unlocated(segment, disagreement)]
+        if seen is not None:
+            found = [replace(seen, theta=segment.position(seen.located.z), after=segment.b.unstable)]
     if not all(control.inside(f.located.z, settings.bounds) for f in found):
         raise TooLong("The step passes the end of the range and comes back.")
     counted = _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
