@@ -10,6 +10,7 @@ from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
 from contwalk.continuation.attempt import Attempt, Refusal, attempt
 from contwalk.continuation.back_at_parent import WentOver, back_at_parent
+from contwalk.continuation.counts import with_counts
 from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.end_ahead import end_ahead
 from contwalk.continuation.end_within import up_to_end
@@ -355,7 +356,7 @@ def _special(
             found = [replace(seen, theta=segment.position(seen.located.z), after=segment.b.unstable)]
     if not all(control.inside(f.located.z, settings.bounds) for f in found):
         raise TooLong("The step passes the end of the range and comes back.")
-    counted = _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
+    counted = with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
     return [f for f in counted if f.type.tells_of(f.located)]
 
 
@@ -364,32 +365,6 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
     reached = [f for f in found if f.kind != "unlocated" and f.type.test is Test.MARGIN]
     goes_on = limits.stopping(segment.problem, reached, settings.events) is None
     return goes_on and limits.in_doubt(segment)
-
-
-def _with_counts(found: list[Found], count: int) -> list[Found]:
-    """Marks take their unstable counts from the bifurcations before them, or at the same place.
-
-    A solution that is a limit itself may have multipliers of the orbits beyond, as where a leg that sticks
-    lasts no time: it is counted as the side that is followed.
-    """
-    result = []
-    for point in found:
-        uncounted = point.type.test in (Test.MARK, Test.MARGIN, Test.VALUE)
-        if point.type.test is Test.MARGIN and point.kind != "unlocated":
-            point = _counted_as_followed(point, count)
-        result.append(replace(point, before=count, after=count) if uncounted else point)
-        count = result[-1].after
-    return result
-
-
-def _counted_as_followed(limit: Found, count: int) -> Found:
-    """A limit whose solution is counted as those before it; told where its own multipliers are others."""
-    sample = limit.sample.counted(count)
-    if sample is limit.sample:
-        return limit
-    own = f"unstable at the point itself are {limit.sample.unstable}, on the branch before it {count}"
-    note = "; ".join(each for each in (limit.note, f"{own}, which are counted") if each)
-    return replace(limit, sample=sample, note=note)
 
 
 def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:
