@@ -158,8 +158,7 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
     if between is None:
         return with_its_pair(segment, low, high, found[0])
     if between:
-        parts = pairwise((low, *between, high))
-        return [point for part in parts for point in _crossings(segment, *part, known)]
+        return [f for part in pairwise((low, *between, high)) for f in _crossings(segment, *part, known)]
     if jump in _reachable(found):
         return found
     found += _measure_crossings(segment, low, high, found)
@@ -188,8 +187,6 @@ def _changes(found: Found) -> tuple[int, ...]:
     if "multiplicity" in found.located.vectors:
         many = int(found.located.vectors["multiplicity"])
         return tuple(range(-many, many + 1))
-    if found.type.test in (Test.STABILITY, Test.VALUE):
-        return found.type.changes
     # Of a fold that is not told apart its own eigenvalue passes with the other one.
     return (-2, -1, 0, 1, 2) if "turns" in found.located.vectors else found.type.changes
 
@@ -318,8 +315,7 @@ def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found | N
 
 def _same_pair(found: Found, which: int) -> bool:
     """Whether measure `which` belongs to the pair that was found: pairs are neighbours in the order."""
-    critical = found.located.vectors.get("which", -10)
-    return abs(which - int(critical)) == 1
+    return abs(which - int(found.located.vectors.get("which", -10))) == 1
 
 
 def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> Found | float:

@@ -14,7 +14,7 @@ import numpy as np
 
 from contwalk.continuation.halving import NEAR_ZERO
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
-from contwalk.continuation.locating import Disagreement, Found, locate, locate_multiple
+from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
 from contwalk.continuation.meeting_eigenvalues import PLACES, peaks
 from contwalk.continuation.on_finest_steps import on_finest_steps
 from contwalk.continuation.segment import LostBranch, Segment
@@ -49,8 +49,7 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
             elif passes:
                 knots.append(theta)
             elif _touches(segment, which, theta) and all(abs(theta - f.theta) > 1e-3 for f in touching):
-                found = locate_multiple(segment, theta)
-                touching += [found] if found is not None else []
+                touching += filter(None, [locate_multiple(segment, theta)])
         knots += peaks(segment, (low, a), (high, b))
     if (between := _between_one_and_minus_one(segment)) is not None:
         knots.append(between)
@@ -149,11 +148,19 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     if not passes:
         return []
     found = []
+
+    def value(theta: float) -> float:
+        return float(part.at(theta).measures[which])
+
+    def attempt(theta: float, left: float, right: float) -> Found | None:
+        own = crossed(part.problem, part.at(theta), which)
+        return None if own is None else accepted(part, own, part.at(theta), which, left, right)
+
     outside = part.a.unstable
     inside = outside + (1 if part.a.measures[which] < 0.0 else -1) * _passing(part.a, which)
     kind = crossed(part.problem, part.at(middle), which) or kind_of_test(part.problem, Test.ORIENTATION)
     for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
-        point = locate(part, kind, low, high, lambda t: float(part.at(t).measures[which]), which)
+        point = narrow(value, low, high, value(low), value(high), attempt)
         if point is None:
             raise Disagreement(kind, "Of two near crossings one is lost.")
         found.append(replace(finer.placed(point), before=before, after=after, counted=True))
