@@ -149,6 +149,16 @@ DOCUMENTED: dict[str, list[Told]] = {
         *_pairs("GRNS", ("k_y", "c_y"), ("15326.44", "798.83")),
         *_pairs("GR", ("k_y", "c_y"), ("15328.57", "801.33")),
     ],
+    "walker3d_oblique_ground_stiffness": [
+        *_each("LP", "k_y", "11552.147"),
+        *_each("BP", "k_y", "11598.363"),
+        *_each("PD", "k_y", "14652.781"),
+        *_each("GR", "k_y", "14990.653"),
+    ],
+    "walker3d_knee_region": [
+        *_pairs("GRNS", ("k_knee", "c_knee"), ("115.880183", "0.686654"), ("86.126224", "0.694839")),
+        *_pairs("PDNS", ("k_knee", "c_knee"), ("93.630175", "1.142556"), ("76.584290", "1.151499")),
+    ],
     "walker3d_no_overlap_knee_stiffness": _each("NS", "k_knee", "102.960"),
     "walker3d_no_overlap_knee_damping": [
         *_each("NS", "c_knee", "0.777636", "1.068293"),
