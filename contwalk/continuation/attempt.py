@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from contwalk.continuation import kinks_passed
-from contwalk.continuation.newton import Correction, Explanation, correct
+from contwalk.continuation.correction import Correction, Explanation
+from contwalk.continuation.newton import correct
 from contwalk.continuation.prediction import Prediction, along, predict
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState

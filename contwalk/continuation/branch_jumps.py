@@ -49,18 +49,18 @@ class _Middle:
     tangent: np.ndarray
 
 
-def jumped(segment: Segment, iterations: int) -> bool:
+def jumped(segment: Segment, effort: float) -> bool:
     """Whether a step seems to have left its branch; it is looked at closely only where its shape is odd.
 
     Parameters
     ----------
     segment : Segment
         The step as it would be taken.
-    iterations : int
-        What the corrector took. Many are odd as well: between two branches the shape may tell nothing.
+    effort : float
+        How many corrections it took. Many are odd as well: between two branches the shape may tell nothing.
     """
     known = sum(error for error in (segment.a.error, segment.b.error) if math.isfinite(error))
-    laborious = iterations > EASY
+    laborious = effort > EASY
     # Where it departs by less than its ends are known to, nothing can be told.
     if segment.length < SHORT or segment.departure <= _nothing(segment, known):
         return False

@@ -12,6 +12,8 @@ from contwalk.problems.problem import Sample
 
 # Largest factors from one step to the next.
 GROWTH, DECAY = 1.6, 0.3
+# Factors of the step after so many corrections, and between them.
+BY_EFFORT = (1.0, 2.0, 3.0, 4.0), (2.0, 1.5, 1.2, 0.7)
 # Shrinking after a failure: fast where the step is small already.
 SHRINK, PLUNGE, SMALL = 0.4, 0.1, 1e-6
 # What the chord of a step may be off the mean of its tangents: a part of the turn; where it hardly turns.
@@ -69,10 +71,13 @@ def is_parabola(a: Sample, z: np.ndarray, tangent: np.ndarray) -> bool:
     return bool(norm(turned - 2.0 * bent) <= PARABOLIC * norm(turned))
 
 
-def next_step(length: float, angle: float, iterations: int, settings: Settings) -> float:
-    """Step length from curvature (half the largest angle is aimed at) and from the corrector's effort."""
+def next_step(length: float, angle: float, effort: float, settings: Settings) -> float:
+    """Step length from curvature (half the largest angle is aimed at) and from the corrector's effort.
+
+    `effort` is a real number of corrections, so that no last bit decides on a length.
+    """
     by_angle = 0.5 * settings.max_angle / max(angle, 1e-3)
-    by_effort = {0: 2.0, 1: 2.0, 2: 1.5, 3: 1.2}.get(iterations, 0.7)
+    by_effort = np.interp(effort, *BY_EFFORT)
     return float(
         np.clip(
             length * np.clip(min(by_angle, by_effort), DECAY, GROWTH), settings.min_step, settings.max_step

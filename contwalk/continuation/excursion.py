@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.continuation import control, outcomes
-from contwalk.continuation.newton import Correction, correct
+from contwalk.continuation.correction import Correction
+from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.numerics.hermite_curve import HermiteCurve

@@ -11,9 +11,9 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import control, outcomes
 from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.correction import Correction
 from contwalk.continuation.events import Plan
 from contwalk.continuation.kinds import kind_of
-from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from contwalk.continuation.correction import CHORDS, Correction, Explanation
 from contwalk.errors import PluginError
 from contwalk.numerics.broyden import broyden_step
-from contwalk.numerics.linear import norm_in
+from contwalk.numerics.linear import norm, norm_in
 from contwalk.problems.linearization import LARGEST_MAGNITUDE
 from contwalk.problems.problem import Linearization, Problem, equations_at
 
@@ -22,8 +22,8 @@ NEARLY = 1e-4
 NOTHING = 1e-14
 # Unknowns this small against their typical magnitude may be zero.
 DUST = 1e-18
-# Corrections by the same Jacobian, from which size on, and by how much each is smaller at least.
-CHORDS, NEAR, CONTRACTS = 3, 1e-2, 0.1
+# From which size on corrections are by the same Jacobian, and by how much each is smaller at least.
+NEAR, CONTRACTS = 1e-2, 0.1
 # Corrections by the derivatives at another solution, and by how much each is smaller at least.
 APPROACHES, NEARS = 8, 0.5
 # Iterations that may follow when corrections are small already.
@@ -33,39 +33,6 @@ LABORIOUS = 4
 # Fitted unknowns take a solution out of its hyperplane: it is back in it to this part of the metric.
 ON_PLANE = 1e-9
 
-Explanation = str | Callable[[], str]
-"""A sentence, or what makes it: most steps that fail are taken again, shorter, and nobody asks why."""
-
-
-def text_of(explanation: Explanation) -> str:
-    """The sentence itself."""
-    return explanation if isinstance(explanation, str) else explanation()
-
-
-@dataclass(frozen=True)
-class Correction:
-    """What became of a guess. `reason` is empty where it converged, else a reason code with a sentence.
-
-    `problem` is whose solution it is: the given one, on a discretisation that reaches it.
-    """
-
-    problem: Problem
-    z: np.ndarray
-    linearization: Linearization | None
-    iterations: int
-    reason: str = ""
-    explanation: Explanation = ""
-
-    @property
-    def sentence(self) -> str:
-        """Why it did not converge."""
-        return text_of(self.explanation)
-
-    @property
-    def ok(self) -> bool:
-        """Whether z is a solution."""
-        return not self.reason
-
 
 class _Equations:
     """A problem's equations at the points of one iteration; remeshed where its discretisation does not reach
@@ -74,6 +41,12 @@ class _Equations:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
+        self.begin()
+
+    def begin(self) -> None:
+        """Another iteration: sizes of its corrections, and whether one Jacobian made the first two."""
+        self.sizes = list[float]()
+        self.chords = False
 
     def at(self, z: np.ndarray) -> Linearization:
         """Residual and Jacobian at z; not finite where no discretisation reaches it."""
@@ -89,7 +62,8 @@ class _Equations:
         explanation: Explanation = "",
     ) -> Correction:
         """What has become of the iteration."""
-        return Correction(self.problem, z, lin, iterations, reason, explanation)
+        sizes = tuple(self.sizes[:2])
+        return Correction(self.problem, z, lin, iterations, reason, explanation, sizes, self.chords)
 
     def undefined_at(self, z: np.ndarray, iterations: int) -> Correction:
         """That they have no finite value at z; where in the plugin that is, is looked for when it is told."""
@@ -166,12 +140,14 @@ def _with_fitted(
         return found
     z, effort, previous = fitted(guess, normal, weights), 0, np.inf
     most = iterations + 1 if not found.ok else found.iterations
+    equations.begin()
     while z is not None and effort < most:
         lin = equations.at(z)
         if not lin.finite:
             return found
         step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
         size = np.inf if step is None else norm_in(step, weights)
+        equations.sizes.append(size)
         if size < ON_PLANE or (size < NEARLY and size > 0.25 * previous):
             return equations.ended(z, lin, effort) if lin.excess <= ROUNDED else found
         if step is None or size > 0.7 * previous:
@@ -226,7 +202,8 @@ def _from_beside(
         return None
     found = _iterated(equations, z, condition, iterations, damped=False)
     own = -(-len(steps) // (1 + CHORDS))
-    return replace(found, iterations=found.iterations + own) if found.ok else None
+    sizes = tuple(float(norm(step)) for step in steps[:2])
+    return replace(found, iterations=found.iterations + own, sizes=sizes, chords=True) if found.ok else None
 
 
 def _approached(
@@ -271,6 +248,7 @@ def _iterated(
     """Newton's method itself."""
     z, (guess, normal, weights) = begun.copy(), condition
     previous = np.inf
+    equations.begin()
     lin = equations.at(z)
     for iteration in range(iterations + 1):
         if not lin.finite:
@@ -282,6 +260,7 @@ def _iterated(
             sentence = "The bordered Jacobian is singular."
             return equations.ended(z, lin, iteration, "no_convergence", sentence)
         size = norm_in(step, weights)
+        equations.sizes.append(size)
         if (size < NEARLY or iteration >= 2) and not lin.exceeds(2.0, weights):
             return equations.ended(z, lin, iteration)
         if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
@@ -295,7 +274,7 @@ def _iterated(
         if damped:
             z, lin = _damped(equations, z, step, lin, condition)
         else:
-            z = _followed(z, step, lin, condition)
+            z = _followed(equations, z, step, lin, condition)
             # If what is taken for dust is more than that, later iterations show it.
             z = _clean(equations.problem, z, weights) if iteration < 2 else z
             lin = equations.at(z)
@@ -306,6 +285,7 @@ def _iterated(
 
 
 def _followed(
+    equations: _Equations,
     z: np.ndarray,
     step: np.ndarray,
     lin: Linearization,
@@ -326,6 +306,8 @@ def _followed(
             break
         following = _newton_step(lin, residual(z), normal, normal @ (z - guess), weights)
         before, size = size, np.inf if following is None else norm_in(following, weights)
+        equations.chords |= len(equations.sizes) == 1
+        equations.sizes.append(size)
         if following is None or not size < CONTRACTS * before:
             break
         z = z - following

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.continuation.newton import Correction, correct
+from contwalk.continuation.correction import Correction
+from contwalk.continuation.newton import correct
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Problem, Sample

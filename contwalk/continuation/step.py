@@ -10,13 +10,13 @@ from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
 from contwalk.continuation.attempt import Attempt, Refusal, attempt
 from contwalk.continuation.back_at_parent import WentOver, back_at_parent
+from contwalk.continuation.correction import Explanation, text_of
 from contwalk.continuation.counts import with_counts
 from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.end_ahead import end_ahead
 from contwalk.continuation.end_within import up_to_end
 from contwalk.continuation.locating import SAME_POINT, WELL_BEYOND, Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
-from contwalk.continuation.newton import Explanation, text_of
 from contwalk.continuation.points_before_limits import COINCIDE, everything, everything_before
 from contwalk.continuation.prediction import Prediction, nearest_bound, towards_a_bound
 from contwalk.continuation.segment import LostBranch, Segment
@@ -158,7 +158,7 @@ def _taken(
         raise TooLong("The step ends at a limit, to within its errors.")
     if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
         found += [f for f in at_the_end(segment) if f.type.tells_of(f.located)]
-    return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
+    return Step(segment, segment.b, found, _next_length(segment, attempted, state, settings))
 
 
 def _seen_once(
@@ -252,7 +252,7 @@ def _segment(state: ContinuationState, attempted: Attempt, settings: Settings, s
         raise TooLong("What is found there is not known to its own size.")
     there = _counted_beyond(a, there.varied(iterations=correction.iterations))
     segment = Segment(problem, a, there)
-    if not smallest and branch_jumps.jumped(segment, correction.iterations):
+    if not smallest and branch_jumps.jumped(segment, correction.effort):
         raise TooLong("The step does not lie along the branch: it may have left it for another one.")
     # Orientation is not defined at a branch point that the walk begins at.
     if a.orientation != 0.0:
@@ -375,9 +375,8 @@ def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:
     return Found(1.0, disagreement.type, located, b, segment.a.unstable, b.unstable, kind="unlocated")
 
 
-def _next_length(
-    segment: Segment, prediction: Prediction, state: ContinuationState, settings: Settings
-) -> float:
-    angle = control.turn(segment.a, segment.b.tangent)
-    length = control.next_step(prediction.length, angle, segment.b.iterations, settings)
+def _next_length(segment: Segment, attempted: Attempt, state: ContinuationState, settings: Settings) -> float:
+    prediction, angle = attempted.prediction, control.turn(segment.a, segment.b.tangent)
+    effort = attempted.correction.effort
+    length = control.next_step(prediction.length, angle, effort, settings)
     return max(length, state.step) if prediction.to_bound else length

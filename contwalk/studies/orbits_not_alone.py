@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.newton import Correction
+from contwalk.continuation.correction import Correction
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.legs_without_length import collapsed as collapsed_event

@@ -6,7 +6,7 @@ import pytest
 from small_systems import small_system
 
 import contwalk as cw
-from contwalk.continuation.newton import Correction
+from contwalk.continuation.correction import Correction
 from contwalk.continuation.outcomes import PERHAPS_NOT_PERIODIC
 from contwalk.continuation.settings import Settings
 from contwalk.studies import opening_eventful, opening_smooth
