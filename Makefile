@@ -56,8 +56,9 @@ PYTEST = env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest --numprocesses a
 quick: install-test
 	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest $$(sed '/^#/d' tests/quick.txt) -m "not slow" $(TEST_OPTIONS)
 
+# All of them: none waits for its turn.
 near: install-test
-	@near=$$($(BIN)/python -m tools.near --base $(BASE)) && if [ -n "$$near" ]; then $(PYTEST) -m "not slow" $(TEST_OPTIONS) $$near; fi
+	@near=$$($(BIN)/python -m tools.near --base $(BASE)) && if [ -n "$$near" ]; then CONTWALK_TEST_DRAW=all $(PYTEST) -m "not slow" $(TEST_OPTIONS) $$near; fi
 
 test: install-test
 	$(PYTEST) -m "not slow" $(TEST_OPTIONS)

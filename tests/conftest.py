@@ -21,6 +21,8 @@ import jsonschema
 import pytest
 from drawing import given_seed, leave_to_long
 from order import longest_first, table
+from turns import table as taking_turns
+from turns import wait_for_their_turn
 
 from contwalk.errors import DatabaseError
 from contwalk.storage import document, interface_schema, open_database
@@ -29,12 +31,18 @@ from contwalk.storage import document, interface_schema, open_database
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> Iterator[None]:
     """Draws come before marks are looked at; where processes share tests, the longest files come first."""
+    wait_for_their_turn(items, given_seed(), taking_turns())
     leave_to_long(items, given_seed())
     yield
     if hasattr(config, "workerinput"):
         files = [item.nodeid.split("::")[0] for item in items]
         slow = [item.get_closest_marker("slow") is not None for item in items]
         items[:] = [items[k] for k in longest_first(files, slow, table())]
+
+
+def pytest_report_header() -> str:
+    """So that what failed can be tried again: which draw, of variants and of costly tests that take turns."""
+    return f"draw: CONTWALK_TEST_DRAW={given_seed()}"
 
 
 def pytest_collection_finish() -> None:

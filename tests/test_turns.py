@@ -1,0 +1,64 @@
+"""Costly tests take turns: two draws after another try all of them, and each about half of what they cost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from turns import EVERYTHING, HERE, listed, table, turn_of, wait_for_their_turn
+
+from tools.durations import COSTLY, TURNS, costly
+
+
+class Item:
+    """What is asked of a test."""
+
+    def __init__(self, nodeid: str) -> None:
+        self.nodeid, self.marks = nodeid, list[str]()
+
+    def add_marker(self, mark: pytest.MarkDecorator) -> None:
+        self.marks.append(mark.name)
+
+
+KNOWN = {"tests/a.py::test_one": 0, "tests/a.py::TestIt::test_two": 1, "tests/b.py::test_three": 2}
+
+
+def waiting(seed: str) -> set[str]:
+    items = [Item(node) for node in [*KNOWN, "tests/a.py::test_one[x-1]", "tests/b.py::test_cheap"]]
+    wait_for_their_turn(items, seed, KNOWN)
+    assert all(item.marks in ([], ["long"]) for item in items)
+    return {item.nodeid for item in items if item.marks}
+
+
+def test_of_two_draws_each_tries_what_the_other_leaves():
+    odd, even = waiting("1"), waiting("2")
+    assert odd == {"tests/a.py::TestIt::test_two"}
+    assert even == {"tests/a.py::test_one", "tests/a.py::test_one[x-1]", "tests/b.py::test_three"}
+    assert waiting("3") == odd
+    assert waiting(EVERYTHING) == set()
+    assert turn_of("any word") in (0, 1)
+
+
+def test_the_list_names_tests_that_exist_once_each_and_none_that_always_runs():
+    named = listed(HERE / "turns.txt")
+    assert len(set(named)) == len(named)
+    for node in named:
+        path, _, test = node.partition("::")
+        text = (HERE.parent / path).read_text(encoding="utf-8")
+        assert all(f"class {part}" in text or f"def {part}(" in text for part in test.split("::"))
+    always = tuple(listed(HERE / "quick.txt"))
+    assert [node for node in table() if node.startswith(always)] == []
+
+
+def test_the_list_is_written_from_reports(tmp_path: Path):
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "test_it.py").write_text("", encoding="utf-8")
+    cases = [("tests.test_it", "test_a[1]", 0.4), ("tests.test_it", "test_a[2]", 0.4)]
+    cases += [("tests.test_it.TestIt", "test_b", 2.0), ("tests.test_it", "test_c", 0.5 * COSTLY)]
+    told = "".join(f'<testcase classname="{of}" name="{name}" time="{time}"/>' for of, name, time in cases)
+    report = tmp_path / "report.xml"
+    report.write_text(f"<testsuites><testsuite>{told}</testsuite></testsuites>", encoding="utf-8")
+    expected = f"{TURNS}tests/test_it.py::TestIt::test_b\ntests/test_it.py::test_a\n"
+    assert costly([report], tmp_path) == expected
+    # What another report names already stays where it is.
+    assert costly([report, report], tmp_path) == expected

@@ -1,0 +1,48 @@
+"""Costly tests take turns: of each two that cost about the same, a run tries one, the next run the other.
+
+`turns.txt` names them, slow ones first, the most costly of each first; `tools/durations.py` writes it. An odd
+draw tries the first, third, fifth, an even one the others, `CONTWALK_TEST_DRAW=all` all of them. What waits
+is marked `long`. `.ci/run` draws by the number of commits, so that each is tried at every other one; what
+stands in `quick.txt` never waits.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+EVERYTHING = "all"
+
+
+def listed(path: Path) -> list[str]:
+    """Lines of a list of tests, comments left out."""
+    return [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+
+
+def table(always: Iterable[str] | None = None) -> dict[str, int]:
+    """Places in the list of those that take turns, by their nodes without parameters."""
+    always = tuple(listed(HERE / "quick.txt") if always is None else always)
+    named = listed(HERE / "turns.txt")
+    return {node: k for k, node in enumerate(named) if not node.startswith(always)}
+
+
+def turn_of(seed: str) -> int | None:
+    """Which of two is tried, 0 or 1; None where all are."""
+    if seed == EVERYTHING:
+        return None
+    return (int(seed) if seed.isdigit() else zlib.crc32(seed.encode())) % 2
+
+
+def wait_for_their_turn(items: Sequence[pytest.Item], seed: str, known: Mapping[str, int]) -> None:
+    """Mark as long what another draw tries."""
+    turn = turn_of(seed)
+    if turn is None:
+        return
+    for item in items:
+        place = known.get(item.nodeid.partition("[")[0])
+        if place is not None and (place + 1) % 2 != turn:
+            item.add_marker(pytest.mark.long)
