@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contwalk.branch import Outcome
+from contwalk.continuation import outcomes
 from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.errors import DatabaseError, StartError
 from contwalk.problems.orbit.discretization import Discretization
@@ -22,7 +26,8 @@ class Place:
 
     `orbit` says that it lies on a periodic orbit, of `period` seconds; with `until` a simulation finds it.
     Of a hybrid system, `mode` is the one that the state is in, `event` the transition that it is right
-    before; an orbit taken from a database comes with its `itinerary`.
+    before; an orbit taken from a database comes with its `itinerary`. `kept`: it is a point of a database,
+    and no parameter is changed.
     """
 
     state: np.ndarray
@@ -34,6 +39,7 @@ class Place:
     mode: str | None = None
     event: str | None = None
     itinerary: StoredItinerary | None = None
+    kept: bool = False
 
 
 def places(run_file: RunFile) -> tuple[list[Place], list[str]]:
@@ -125,7 +131,9 @@ def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
     origin = f"{spec.point} of {spec.file.name}"
     if not np.isfinite(found.period):
         return Place(found.state, parameters, origin)
-    return Place(found.state, parameters, origin, period=found.period, orbit=True, itinerary=found.itinerary)
+    kept = parameters == found.parameters
+    orbit = Place(found.state, parameters, origin, found.period, orbit=True, itinerary=found.itinerary)
+    return replace(orbit, kept=kept)
 
 
 def starts(
@@ -149,5 +157,27 @@ def starts(
                 )
         else:
             opening = opened(*given)
+        if not isinstance(opening, Outcome) and place.kept:
+            opening = _same_orbit(place, opening, discretization.accuracy)
         orbit = place.orbit or system.period is not None
         yield Start(system, free, place.parameters, opening, place.origin, orbit=orbit)
+
+
+def _same_orbit(place: Place, opening: Opening, accuracy: float) -> Opening | Outcome:
+    """The opening, unless the corrector has come from a stored orbit to another one: periods tell.
+
+    Half the digits of the accuracy tell two apart, or what the found one is known to, where that is more:
+    where deviations grow without measure, a state tells an orbit no more. What is found may be the stored one
+    gone round once, where that was gone round several times.
+    """
+    sample = opening.state.sample
+    assert place.period is not None
+    found, rounds = sample.period, place.period / sample.period
+    within = max(math.sqrt(accuracy), sample.error)
+    if abs(rounds - max(round(rounds), 1)) <= within * rounds:
+        return opening
+    return outcomes.refused(
+        f"The orbit {place.origin} has the period {place.period:.6g}, and from its state the corrector comes "
+        f"to one with {found:.6g}: deviations grow too much for its state to tell which orbit it is.",
+        "Start from a point nearer to where the branch begins, or ask for a finer `accuracy`.",
+    )
