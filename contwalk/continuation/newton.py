@@ -35,12 +35,12 @@ ON_PLANE = 1e-9
 
 
 class _Equations:
-    """A problem's equations at the points of one iteration; remeshed where its discretisation does not reach
-    one of them.
+    """A problem's equations at the points of one iteration, in the hyperplane normal . (z - guess) = 0;
+    remeshed where its discretisation does not reach one of them.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
+    def __init__(self, problem: Problem, guess: np.ndarray, normal: np.ndarray, weights: np.ndarray) -> None:
+        self.problem, self.guess, self.normal, self.weights = problem, guess, normal, weights
         self.begin()
 
     def begin(self) -> None:
@@ -52,6 +52,24 @@ class _Equations:
         """Residual and Jacobian at z; not finite where no discretisation reaches it."""
         self.problem, lin = equations_at(self.problem, z)
         return lin
+
+    def correction(
+        self, lin: Linearization, z: np.ndarray, residual: np.ndarray | None = None
+    ) -> np.ndarray | None:
+        """What Newton's method subtracts from z, shape (N + 1,), for its residual, that of the Jacobian's
+        place by default; None where the bordered Jacobian is singular.
+        """
+        left = lin.residual if residual is None else residual, [self.normal @ (z - self.guess)]
+        try:
+            step = lin.bordered(self.normal, self.weights).solve(np.concatenate(left))
+        except np.linalg.LinAlgError:
+            return None
+        # Beyond 1e150 its length would overflow.
+        return step if (np.abs(step) < 1e150).all() else None
+
+    def size(self, step: np.ndarray | None) -> float:
+        """Length of a correction in the metric."""
+        return np.inf if step is None else norm_in(step, self.weights)
 
     def ended(
         self,
@@ -98,17 +116,16 @@ def correct(
         A solution near the guess whose derivatives are known: where F is far cheaper than they are, they lead
         to where Newton's method has nothing left to do.
     """
-    equations = _Equations(problem)
+    guess = _clean(problem, guess, weights)
+    equations = _Equations(problem, guess, normal, weights)
     try:
         # What overflows or is not a number on the way is looked at where it matters.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            guess = _clean(problem, guess, weights)
-            condition = guess, normal, weights
-            found = None if beside is None else _from_beside(equations, beside, condition, iterations)
+            found = None if beside is None else _from_beside(equations, beside, iterations)
             if found is None:
-                found = _iterated(equations, guess, condition, iterations, damped)
+                found = _iterated(equations, guess, iterations, damped)
             if not damped and (not found.ok or found.iterations >= LABORIOUS):
-                found = _with_fitted(equations, guess, normal, weights, iterations, found)
+                found = _with_fitted(equations, iterations, found)
             if found.ok and (damped or norm_in(found.z - guess, weights) <= LARGEST_MAGNITUDE):
                 return _without_dust(found, weights)
             if found.ok:  # what is rounding there is none here
@@ -122,37 +139,31 @@ def correct(
         return equations.ended(guess, None, 0, "plugin_error", error.sentence)
 
 
-def _with_fitted(
-    equations: _Equations,
-    guess: np.ndarray,
-    normal: np.ndarray,
-    weights: np.ndarray,
-    iterations: int,
-    found: Correction,
-) -> Correction:
+def _with_fitted(equations: _Equations, iterations: int, found: Correction) -> Correction:
     """Newton's method on the other unknowns, those that are hard to guess solved for after each of its steps.
 
     What was found without stays where this takes no fewer iterations, or where no unknowns are of that kind.
     """
-    known = equations.at(guess) if found.linearization is None else found.linearization
+    given = equations.normal, equations.weights
+    known = equations.at(equations.guess) if found.linearization is None else found.linearization
     fitted = known.fitted
     if fitted is None:
         return found
-    z, effort, previous = fitted(guess, normal, weights), 0, np.inf
+    z, effort, previous = fitted(equations.guess, *given), 0, np.inf
     most = iterations + 1 if not found.ok else found.iterations
     equations.begin()
     while z is not None and effort < most:
         lin = equations.at(z)
         if not lin.finite:
             return found
-        step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
-        size = np.inf if step is None else norm_in(step, weights)
+        step = equations.correction(lin, z)
+        size = equations.size(step)
         equations.sizes.append(size)
         if size < ON_PLANE or (size < NEARLY and size > 0.25 * previous):
             return equations.ended(z, lin, effort) if lin.excess <= ROUNDED else found
         if step is None or size > 0.7 * previous:
             return found
-        z, previous = fitted(z - step, normal, weights), size
+        z, previous = fitted(z - step, *given), size
         effort += int(size >= NEARLY)
     return found
 
@@ -180,12 +191,7 @@ def _without_dust(found: Correction, weights: np.ndarray) -> Correction:
     return replace(found, z=clean, linearization=there)
 
 
-def _from_beside(
-    equations: _Equations,
-    beside: np.ndarray,
-    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
-    iterations: int,
-) -> Correction | None:
+def _from_beside(equations: _Equations, beside: np.ndarray, iterations: int) -> Correction | None:
     """Newton's method from where the derivatives at another solution lead; None where that finds nothing.
 
     Some corrections without new derivatives count as one iteration, as after Newton's steps. Derivatives of
@@ -195,37 +201,31 @@ def _from_beside(
         return None
     steps = list[np.ndarray]()
     try:
-        z = _approached(equations.problem, beside, condition, steps)
+        z = _approached(equations, beside, steps)
     except PluginError:  # beside a singular point they lead anywhere, where the plugin may say nothing
         return None
     if z is None:
         return None
-    found = _iterated(equations, z, condition, iterations, damped=False)
+    found = _iterated(equations, z, iterations, damped=False)
     own = -(-len(steps) // (1 + CHORDS))
     sizes = tuple(float(norm(step)) for step in steps[:2])
     return replace(found, iterations=found.iterations + own, sizes=sizes, chords=True) if found.ok else None
 
 
-def _approached(
-    problem: Problem,
-    beside: np.ndarray,
-    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
-    steps: list[np.ndarray],
-) -> np.ndarray | None:
+def _approached(equations: _Equations, beside: np.ndarray, steps: list[np.ndarray]) -> np.ndarray | None:
     """Where the derivatives at another solution lead from the guess, by Broyden's method: a place whose
     residual is rounding. Its steps, in units of the weights, are added to `steps`.
 
     It takes several residuals where Newton's method takes one more linearization: None if these are not dear.
     """
-    guess, normal, weights = condition
-    known = problem.linearize(beside)
+    weights, known = equations.weights, equations.problem.linearize(beside)
     if known.nearby is None or not (known.dear and known.finite):
         return None
     residual, level = known.nearby(), known.levels[0]
-    z, before = guess, np.inf
+    z, before = equations.guess, np.inf
     while len(steps) < APPROACHES:
         left = residual(z)
-        chord = _newton_step(known, left, normal, normal @ (z - guess), weights)
+        chord = equations.correction(known, z, left)
         if chord is None or not np.any(chord):
             break
         steps.append(broyden_step(-chord / weights, steps))
@@ -234,26 +234,19 @@ def _approached(
             return None
         z, before = z + weights * steps[-1], size
         if np.all(np.abs(left) <= level) or size < NOTHING:
-            return _clean(problem, z, weights)
+            return _clean(equations.problem, z, weights)
     return None
 
 
-def _iterated(
-    equations: _Equations,
-    begun: np.ndarray,
-    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
-    iterations: int,
-    damped: bool,
-) -> Correction:
-    """Newton's method itself."""
-    z, (guess, normal, weights) = begun.copy(), condition
-    previous = np.inf
+def _iterated(equations: _Equations, begun: np.ndarray, iterations: int, damped: bool) -> Correction:
+    """Newton's method itself, from a place of shape (N + 1,)."""
+    z, weights, previous = begun.copy(), equations.weights, np.inf
     equations.begin()
     lin = equations.at(z)
     for iteration in range(iterations + 1):
         if not lin.finite:
             return equations.undefined_at(z, iteration)
-        step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
+        step = equations.correction(lin, z)
         if step is None and lin.excess <= ROUNDED:
             return equations.ended(z, lin, iteration)
         if step is None:
@@ -264,7 +257,7 @@ def _iterated(
         if (size < NEARLY or iteration >= 2) and not lin.exceeds(2.0, weights):
             return equations.ended(z, lin, iteration)
         if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
-            return _settled(equations, z, lin, condition, iteration)
+            return _settled(equations, z, lin, iteration)
         stalls = iteration > 1 and size > 0.7 * previous
         if stalls and lin.excess <= ROUNDED:  # near a singular point corrections never get small
             return equations.ended(z, lin, iteration)
@@ -272,9 +265,9 @@ def _iterated(
             return equations.ended(z, lin, iteration, "no_convergence", "Newton's method does not contract.")
         previous = size
         if damped:
-            z, lin = _damped(equations, z, step, lin, condition)
+            z, lin = _damped(equations, z, step, lin)
         else:
-            z = _followed(equations, z, step, lin, condition)
+            z = _followed(equations, z, step, lin)
             # If what is taken for dust is more than that, later iterations show it.
             z = _clean(equations.problem, z, weights) if iteration < 2 else z
             lin = equations.at(z)
@@ -284,28 +277,21 @@ def _iterated(
     return equations.ended(z, lin, iterations, "no_convergence", sentence)
 
 
-def _followed(
-    equations: _Equations,
-    z: np.ndarray,
-    step: np.ndarray,
-    lin: Linearization,
-    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
-) -> np.ndarray:
+def _followed(equations: _Equations, z: np.ndarray, step: np.ndarray, lin: Linearization) -> np.ndarray:
     """z - step, and corrections after it by the same Jacobian while each is far smaller than the last one.
 
     Only where a residual is far cheaper than its derivatives: then near a solution most of Newton's
     iterations need no new ones.
     """
-    guess, normal, weights = condition
-    z, size = z - step, norm_in(step, weights)
+    z, size = z - step, equations.size(step)
     if lin.nearby is None:
         return z
     residual = lin.nearby()
     for _ in range(CHORDS):
         if not NOTHING < size < NEAR:
             break
-        following = _newton_step(lin, residual(z), normal, normal @ (z - guess), weights)
-        before, size = size, np.inf if following is None else norm_in(following, weights)
+        following = equations.correction(lin, z, residual(z))
+        before, size = size, equations.size(following)
         equations.chords |= len(equations.sizes) == 1
         equations.sizes.append(size)
         if following is None or not size < CONTRACTS * before:
@@ -314,39 +300,20 @@ def _followed(
     return z
 
 
-def _newton_step(
-    lin: Linearization, residual: np.ndarray, normal: np.ndarray, offset: float, weights: np.ndarray
-) -> np.ndarray | None:
-    """What Newton's method subtracts, shape (N + 1,); None where the bordered Jacobian is singular."""
-    try:
-        step = lin.bordered(normal, weights).solve(np.concatenate([residual, [offset]]))
-    except np.linalg.LinAlgError:
-        return None
-    # Beyond 1e150 its length would overflow.
-    return step if (np.abs(step) < 1e150).all() else None
-
-
-def _settled(
-    equations: _Equations,
-    z: np.ndarray,
-    lin: Linearization,
-    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
-    iteration: int,
-) -> Correction:
+def _settled(equations: _Equations, z: np.ndarray, lin: Linearization, iteration: int) -> Correction:
     """Iterate while residuals still fall: corrections are small in the metric, but so may an unknown be."""
-    guess, normal, weights = condition
     size = np.inf
     for _ in range(SETTLING):
-        step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
+        step = equations.correction(lin, z)
         if step is None:
             break
-        before, size = size, norm_in(step, weights)
+        before, size = size, equations.size(step)
         there = equations.at(z - step)
         gains = there.finite and (NOTHING < size < 0.1 * before or there.excess <= 0.5 * lin.excess)
         if not gains:
             break
         z, lin, iteration = z - step, there, iteration + 1
-        if not lin.exceeds(2.0, weights):
+        if not lin.exceeds(2.0, equations.weights):
             break
     if lin.excess <= ROUNDED or size <= NOTHING:
         return equations.ended(z, lin, iteration)
@@ -355,27 +322,21 @@ def _settled(
 
 
 def _damped(
-    equations: _Equations,
-    z: np.ndarray,
-    step: np.ndarray,
-    lin: Linearization,
-    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
+    equations: _Equations, z: np.ndarray, step: np.ndarray, lin: Linearization
 ) -> tuple[np.ndarray, Linearization]:
     """z - t step with the first t of 1, 1/2, 1/4 ... after which the next correction would be smaller.
 
     The next correction is measured with the present Jacobian, so that scaling of the equations plays no part
     (the natural monotonicity test, P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3).
     """
-    guess, normal, weights = condition
-    size = norm_in(step, weights)
-    fraction = 1.0
+    size, fraction = equations.size(step), 1.0
     while True:
         moved = z - fraction * step
         there = equations.at(moved)
         if fraction < 1e-6:
             return moved, there
         if there.finite:
-            following = _newton_step(lin, there.residual, normal, normal @ (moved - guess), weights)
-            if following is not None and norm_in(following, weights) <= (1.0 - 0.25 * fraction) * size:
+            following = equations.correction(lin, moved, there.residual)
+            if equations.size(following) <= (1.0 - 0.25 * fraction) * size:
                 return moved, there
         fraction /= 2.0
