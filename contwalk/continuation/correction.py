@@ -61,11 +61,9 @@ class Correction:
         section 2.1). It is never more than the count: near a singular point the first two hardly shrink.
         """
         count = float(self.iterations)
-        if len(self.sizes) < 2:
+        first, second = self.sizes if len(self.sizes) == 2 else (0.0, 0.0)
+        if not max(second, EPSILON) < first:
             return count
-        first, second = (max(size, EPSILON) for size in self.sizes)
-        if not second < first:
-            return count
-        contractions = math.log(EPSILON / first) / math.log(second / first)
+        contractions = math.log(EPSILON / first) / math.log(max(second, EPSILON) / first)
         newton = math.log2(1.0 + contractions)
         return min(count, newton, contractions / (1.0 + CHORDS) if self.chords else newton)

@@ -41,10 +41,9 @@ class _Equations:
 
     def __init__(self, problem: Problem, guess: np.ndarray, normal: np.ndarray, weights: np.ndarray) -> None:
         self.problem, self.guess, self.normal, self.weights = problem, guess, normal, weights
-        self.begin()
 
     def begin(self) -> None:
-        """Another iteration: sizes of its corrections, and whether one Jacobian made the first two."""
+        """An iteration begins: sizes of its corrections, and whether one Jacobian made the first two."""
         self.sizes = list[float]()
         self.chords = False
 

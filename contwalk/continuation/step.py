@@ -32,7 +32,7 @@ NEARLY_SHRUNK = 1e-3
 # How far from a branch point that a walk begins at its side is looked at, in parts of the first step, where
 # equations are exact.
 BESIDE = 1e-4
-# A step from a branch point is lost in the error of where it ends, if that is a larger part of it.
+# A step is lost in the error of where it ends, if that is a larger part of it.
 BLURRED = 0.1
 SUDDENLY = 1e3  # what is known so many times worse than before, and not to its size, may be anything
 # The field's domain ends where a step this short still leaves it.
@@ -81,17 +81,21 @@ def take_step(
     while True:
         attempted = attempt(problem, state, length, settings)
         met = _met(attempted, search, state, settings, observer)
-        if not isinstance(met, Refusal):
+        if isinstance(met, Outcome):
             return met
-        search.on_parabola = met.instead is not None
-        if met.instead is not None:
+        search.on_parabola = isinstance(met, Refusal) and met.instead is not None
+        if isinstance(met, Refusal) and met.instead is not None:
             length = met.instead
             continue
-        if not search.ended:
+        # Beside a point at which curves end, steps fail, or end where little is known beside their length.
+        doubtful = isinstance(met, Refusal) or met.there.error > BLURRED * length
+        if doubtful and not search.ended:
             search.ended = True
             end = end_ahead(problem, state.sample, length, settings, observer)
             if end is not None:
                 return Step(end[0], end[0].b, [end[1]], length)
+        if isinstance(met, Step):
+            return met
         outcome = _given_up(problem, attempted, met, search, state, settings, observer)
         if outcome is not None:
             return outcome
