@@ -11,14 +11,14 @@ too long.
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
 from contwalk.continuation.along import at_the_turn, located_along
 from contwalk.continuation.double_crossings import Hidden, knots_of
 from contwalk.continuation.flat_folds import doubt, flat_fold
-from contwalk.continuation.folds_with_pairs import split, with_its_pair
+from contwalk.continuation.folds_with_pairs import counts_at, split, with_its_pair
 from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair
 from contwalk.continuation.locating import (
     SAME_POINT,
@@ -159,10 +159,10 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
         return with_its_pair(segment, low, high, found[0])
     if between:
         return [f for part in pairwise((low, *between, high)) for f in _crossings(segment, *part, known)]
-    if jump in _reachable(found):
+    if jump in _reachable(segment, found):
         return found
     found += _measure_crossings(segment, low, high, found)
-    if jump not in _reachable(found):
+    if jump not in _reachable(segment, found):
         raise Disagreement(
             pair(segment.problem),
             "The number of eigenvalues that cross does not agree with the points found.",
@@ -170,15 +170,12 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
     return found
 
 
-def _reachable(found: list[Found]) -> set[int]:
+def _reachable(segment: Segment, found: list[Found]) -> set[int]:
     """Changes of the unstable count that points can bring about together."""
-    sums = {0}
-    for point in found:
-        sums = {total + change for total in sums for change in _changes(point)}
-    return sums
+    return {sum(each) for each in product(*(_changes(segment, point) for point in found))}
 
 
-def _changes(found: Found) -> tuple[int, ...]:
+def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
     """Changes of the unstable count that one point can bring about.
 
     At a fold or a simple branch point one real eigenvalue passes zero, or none: a pitchfork met along the
@@ -187,6 +184,8 @@ def _changes(found: Found) -> tuple[int, ...]:
     if "multiplicity" in found.located.vectors:
         many = int(found.located.vectors["multiplicity"])
         return tuple(range(-many, many + 1))
+    if found.type.test is Test.TURN and not segment.problem.meshed and len(counts_at(found.sample)) == 1:
+        return (0,)
     # Of a fold that is not told apart its own eigenvalue passes with the other one.
     return (-2, -1, 0, 1, 2) if "turns" in found.located.vectors else found.type.changes
 

@@ -29,7 +29,7 @@ def split(segment: Segment, low: float, high: float, found: list[Found]) -> list
     edges = [low, *(0.5 * (f.theta + g.theta) for f, g in pairwise(found)), high]
     alone = len(found) == 1 and found[0].type.test is Test.TURN and segment.problem.meshed is None
     for point, *sides in zip(found, edges, edges[1:], strict=False):
-        possible = _counts_at(point.sample)
+        possible = counts_at(point.sample)
         for side in sides:
             around = [side]
             while segment.at(around[-1]).unstable not in possible:
@@ -44,7 +44,7 @@ def split(segment: Segment, low: float, high: float, found: list[Found]) -> list
     return []
 
 
-def _counts_at(sample: Sample) -> range:
+def counts_at(sample: Sample) -> range:
     """How many eigenvalues may be unstable beside a solution: those that vanish there may, on either side."""
     sizes = np.abs(sample.eigenvalues - sample.critical)
     known = np.maximum(sample.errors, sample.spectrum_error or 0.0)
