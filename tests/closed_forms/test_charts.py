@@ -104,7 +104,8 @@ def test_both_sides_of_hopf_points() -> None:
 def test_branches_that_leave_branch_points_count() -> None:
     ranges = {"a": (-1.0, 1.0), "b": (-0.8, 0.8)}
     (_, pitchforks), found = study(pitchfork, "x", {"a": -0.5, "b": 0.1}, [0.0], ["BP1"], ranges)
-    assert not [point for point in pitchforks.special_points if point.label == "CP"]
+    # Rounding of the start's tangent, 1e-16 in x, made an orientation that changed and a point, or crept.
+    assert {point.label for point in pitchforks.special_points} == {"EP"}
     assert {region.at[0] > region.at[1]: region.counts for region in found.regions} == {
         True: (0, 0, 1),
         False: (0,),
