@@ -9,7 +9,6 @@ import numpy as np
 from contwalk.continuation import control
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
-from contwalk.numerics.linear import EPSILON
 from contwalk.problems.problem import Sample
 
 
@@ -43,10 +42,9 @@ def predict(state: ContinuationState, length: float, settings: Settings) -> Pred
 
 
 def along(state: ContinuationState, length: float) -> Prediction:
-    """The point at `length` along the tangent, of which what is below the rounding unit is rounding."""
+    """The point at `length` along the tangent."""
     sample = state.sample
-    tangent = np.where(np.abs(sample.tangent) < EPSILON * sample.weights, 0.0, sample.tangent)
-    return Prediction(sample.z + length * tangent, sample.tangent / sample.weights**2, length)
+    return Prediction(sample.z + length * sample.tangent, sample.tangent / sample.weights**2, length)
 
 
 def nearest_bound(sample: Sample, settings: Settings) -> tuple[float, int, float]:

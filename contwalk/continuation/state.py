@@ -13,7 +13,7 @@ from contwalk.continuation.metric import UNKNOWN, crowded, parameter_weight, upd
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite
-from contwalk.numerics.linear import kernel_direction, norm_in
+from contwalk.numerics.linear import EPSILON, kernel_direction, norm_in
 from contwalk.problems.problem import Problem, Sample, equations_at
 
 # A magnitude this many times an unknown's size and how far it moves is none.
@@ -112,6 +112,7 @@ def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:
     The Jacobian has the shape (N, N + 1), the weights of the metric (N + 1,).
     """
     tangent = kernel_direction(jacobian, weights)
+    tangent = np.where(np.abs(tangent) < EPSILON * weights, 0.0, tangent)  # of a unit vector that is rounding
     lead = tangent[-1] / weights[-1]
     if abs(lead) < 1e-12:
         lead = (tangent / weights)[int(np.argmax(np.abs(tangent / weights)))]
