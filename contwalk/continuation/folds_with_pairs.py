@@ -29,7 +29,7 @@ def split(segment: Segment, low: float, high: float, found: list[Found]) -> list
     edges = [low, *(0.5 * (f.theta + g.theta) for f, g in pairwise(found)), high]
     alone = len(found) == 1 and found[0].type.test is Test.TURN and segment.problem.meshed is None
     for point, *sides in zip(found, edges, edges[1:], strict=False):
-        possible = counts_at(point.sample)
+        possible = counts_at(point.sample, located=segment.problem.meshed is not None)
         for side in sides:
             around = [side]
             while segment.at(around[-1]).unstable not in possible:
@@ -44,13 +44,17 @@ def split(segment: Segment, low: float, high: float, found: list[Found]) -> list
     return []
 
 
-def counts_at(sample: Sample) -> range:
-    """How many eigenvalues may be unstable beside a solution: those that vanish there may, on either side."""
+def counts_at(sample: Sample, located: bool = False) -> range:
+    """How many eigenvalues may be unstable beside a solution: those that vanish there may, on either side.
+
+    At a special point that is `located` on steps the nearest one does, whatever it is there: along a canard a
+    fold that is known to 1e-13 has a multiplier that is 2e-6 from one.
+    """
     sizes = np.abs(sample.eigenvalues - sample.critical)
-    known = np.maximum(sample.errors, sample.spectrum_error or 0.0)
-    vanish = sizes <= 100.0 * known + 1e-9 * sizes.max(initial=0.0)
-    least = int(np.count_nonzero((sample.measures > 0.0) & ~vanish))
-    return range(least, least + int(np.count_nonzero(vanish)) + 1)
+    rounding = 100.0 * np.maximum(sample.errors, sample.spectrum_error or 0.0) + 1e-9 * sizes.max(initial=0.0)
+    vanish = sizes <= np.maximum(rounding, sizes.min(initial=np.inf) if located else 0.0)
+    low = int(np.count_nonzero((sample.measures > 0.0) & ~vanish))
+    return range(low, low + int(np.count_nonzero(vanish)) + 1)
 
 
 def with_its_pair(segment: Segment, low: float, high: float, fold: Found) -> list[Found]:
