@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from order import DURATIONS, expected, longest_first, table
+from turns import listed
 
 from tools.durations import written
 
@@ -27,8 +28,7 @@ def test_what_is_not_in_the_table_is_expected_by_its_tests(slow, others, seconds
 
 
 def test_the_quick_list_names_tests_that_exist_of_each_folder():
-    lines = (ROOT / "tests" / "quick.txt").read_text(encoding="utf-8").splitlines()
-    named = [line.partition("::")[::2] for line in lines if not line.startswith("#")]
+    named = [line.partition("::")[::2] for line in listed(ROOT / "tests" / "quick.txt")]
     assert len(set(named)) == len(named)
     for path, test in named:
         place = ROOT / path

@@ -9,7 +9,7 @@ stands in `quick.txt` never waits.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
@@ -23,10 +23,9 @@ def listed(path: Path) -> list[str]:
     return [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
 
 
-def table(always: Iterable[str] | None = None) -> dict[str, int]:
+def table() -> dict[str, int]:
     """Places in the list of those that take turns, by their nodes without parameters."""
-    always = tuple(listed(HERE / "quick.txt") if always is None else always)
-    named = listed(HERE / "turns.txt")
+    always, named = tuple(listed(HERE / "quick.txt")), listed(HERE / "turns.txt")
     return {node: k for k, node in enumerate(named) if not node.startswith(always)}
 
 
