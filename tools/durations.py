@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -31,14 +31,23 @@ def file_of(name: str, root: Path = ROOT) -> str | None:
     return None
 
 
+def cases(report: Path, root: Path) -> Iterator[tuple[str, str, float]]:
+    """File, node without parameters, and seconds of each test of a report whose file there is."""
+    for case in ElementTree.parse(report).iter("testcase"):
+        module = case.get("classname", "")
+        file = file_of(module, root)
+        if file is not None:
+            owner = module.split(".")[len(Path(file).parts) :]
+            node = "::".join([file, *owner, case.get("name", "").partition("[")[0]])
+            yield file, node, float(case.get("time", 0.0))
+
+
 def written(reports: Iterable[Path], root: Path = ROOT) -> str:
     """The table: seconds and file in each line, the longest first."""
     seconds: dict[str, float] = defaultdict(float)
     for report in reports:
-        for case in ElementTree.parse(report).iter("testcase"):
-            file = file_of(case.get("classname", ""), root)
-            if file is not None:
-                seconds[file] += float(case.get("time", 0.0))
+        for file, _, taken in cases(report, root):
+            seconds[file] += taken
     longest = sorted(seconds.items(), key=lambda entry: (-entry[1], entry[0]))
     return "".join(f"{taken:.0f} {file}\n" for file, taken in longest if taken >= LEAST)
 
@@ -51,13 +60,8 @@ def costly(reports: Iterable[Path], root: Path = ROOT) -> str:
     text, known = TURNS, set[str]()
     for report in reports:
         seconds: dict[str, float] = defaultdict(float)
-        for case in ElementTree.parse(report).iter("testcase"):
-            module = case.get("classname", "")
-            file = file_of(module, root)
-            if file is not None:
-                owner = module.split(".")[len(Path(file).parts) :]
-                test = case.get("name", "").partition("[")[0]
-                seconds["::".join([file, *owner, test])] += float(case.get("time", 0.0))
+        for _, node, taken in cases(report, root):
+            seconds[node] += taken
         text += in_order({node: taken for node, taken in seconds.items() if node not in known})
         known |= set(seconds)
     return text
