@@ -11,6 +11,18 @@ from pairs_form import FREE, Case, Draw
 from contwalk.system import Mode, Parameter, State, System, Transition
 
 
+def _beside_a_wall(free: Any, start: float, size: float, **more: Any) -> System:
+    """A mass that moves as `free` says, and loses half its speed at a wall at x = size."""
+
+    def bounce(t: Any, x: Any, p: Any, after: Any) -> None:
+        after[0], after[1] = x[0], -0.5 * x[1]
+
+    hit = Transition("hit", "free", "free", lambda t, x, p: size - x[0], "falling", reset=bounce)
+    states, parameters = (State("x"), State("v")), (Parameter(FREE, start),)
+    modes = (Mode("free", free),)
+    return System("pairs", states, parameters, modes, transitions=(hit,), **more)
+
+
 def two_grazings(draw: Draw) -> Case:
     """A forced oscillator whose amplitude reaches a stop about its resonance.
 
@@ -30,19 +42,7 @@ def two_grazings(draw: Draw) -> Case:
         dx[0] = x[1]
         dx[1] = size * force * np.cos(t) - 2.0 * damping * x[1] - x[0]
 
-    def bounce(t: Any, x: Any, p: Any, after: Any) -> None:
-        after[0], after[1] = x[0], -0.5 * x[1]
-
-    system = System(
-        "pairs",
-        states=(State("x"), State("v")),
-        parameters=(Parameter(FREE, start),),
-        modes=(Mode("free", free),),
-        transitions=(
-            Transition("hit", "free", "free", lambda t, x, p: size - x[0], "falling", reset=bounce),
-        ),
-        period=lambda p: 2.0 * math.pi,
-    )
+    system = _beside_a_wall(free, start, size, period=lambda p: 2.0 * math.pi)
     force = 1.0 + 0.3 * sign * dip(draw.part(start))
     state = np.array([0.0, size * force])
     # The amplitude is rounded, and stands still in the middle.
@@ -69,18 +69,7 @@ def two_boundary_equilibria(draw: Draw) -> Case:
         dx[0] = x[1]
         dx[1] = size * (1.0 + 0.3 * sign * dip(draw.part(p.lam))) - x[0] - damping * x[1]
 
-    def bounce(t: Any, x: Any, p: Any, after: Any) -> None:
-        after[0], after[1] = x[0], -0.5 * x[1]
-
-    system = System(
-        "pairs",
-        states=(State("x"), State("v")),
-        parameters=(Parameter(FREE, start),),
-        modes=(Mode("free", free),),
-        transitions=(
-            Transition("hit", "free", "free", lambda t, x, p: size - x[0], "falling", reset=bounce),
-        ),
-    )
+    system = _beside_a_wall(free, start, size)
     state = np.array([size * (1.0 + 0.3 * sign * dip(draw.part(start))), 0.0])
     return Case(
         draw.kind,
