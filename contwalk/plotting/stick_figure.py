@@ -27,8 +27,9 @@ OF_AN_ARC, OF_A_MOTION = 4, 8
 # How light an instant is that is not one of events, and how thin both kinds are.
 SHADE, THIN, STRONG = 0.4, 0.5, 0.8
 AIR = 0.12  # beside the outermost instants, in heights of the picture
-# Inches: height of the picture, its least and greatest width, what text around it takes, and events above it.
-HEIGHT, NARROWEST, WIDEST, AROUND, ABOVE = 2.7, 5.6, 15.0, 0.85, 0.75
+# Inches: height of the picture, the greatest one of a short way, its least and greatest width, what text
+# around it takes, and events above it.
+HEIGHT, HIGHEST, NARROWEST, WIDEST, AROUND, ABOVE = 2.7, 5.4, 5.6, 15.0, 0.85, 0.75
 # Side by side: the area of an instant and its least and greatest width and height, what its title and numbers
 # take, and the greatest width of all; inches.
 AREA, SIDES, TITLE, NUMBERS, WHOLE = 4.5, (1.1, 3.6), 0.35, 0.45, 10.0
@@ -239,13 +240,13 @@ def _frame(ax: Axes, limits: np.ndarray, outlines: Sequence[np.ndarray]) -> None
 
 
 def _fit(ax: Axes, above: float) -> None:
-    """Make the figure as long as its axes need, with room above them."""
+    """Make the figure as long as its axes need, with room above them; that of a short way is higher."""
     figure = ax.figure
     assert isinstance(figure, Figure)
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     aspect = (right - left) / (high - low)
     width = min(max(HEIGHT * aspect, NARROWEST), WIDEST)
-    figure.set_size_inches(width, min(width / aspect, HEIGHT) + AROUND + above)
+    figure.set_size_inches(width, min(width / aspect, HIGHEST) + AROUND + above)
 
 
 def _legend(ax: Axes) -> None:

@@ -118,7 +118,7 @@ def _draw_walk(axes: Any, t: Any, x: Any, p: Any, model: Model) -> None:
     _draw_walker(axes, above, now)
     across, up = (float(number[0]) for number in oblique(now.hip[None] * [1.0, 0.0, 1.0]))
     axes.set_xlim(across - 1.0 * length, across + 1.0 * length)
-    axes.set_ylim(up + (BELOW - 0.55) * length, up + 1.45 * length)
+    axes.set_ylim(up + (BELOW - 0.6) * length, up + 1.45 * length)
 
 
 def _prints(x: Any, passed: Any) -> dict[int, Any]:

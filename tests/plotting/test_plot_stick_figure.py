@@ -87,6 +87,13 @@ def test_a_long_way_has_a_long_figure():
     assert long.figure.get_size_inches()[0] > short.figure.get_size_inches()[0]
 
 
+def test_a_short_way_fills_its_figure():
+    ax = plot_stick_figure(HOPPER, TIMES[:6], STATES[:6], {})
+    ax.figure.canvas.draw()
+    drawn, whole = ax.get_window_extent(), ax.figure.bbox
+    assert drawn.width * drawn.height > 0.5 * whole.width * whole.height
+
+
 def test_given_axes_keep_their_figure():
     ax = new_axes("machine")
     size = tuple(ax.figure.get_size_inches())
