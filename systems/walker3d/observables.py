@@ -21,7 +21,7 @@ from .centre import centre_of_mass
 from .forces import ground_force
 from .model import CLIPPED, TWO_SIDED, Model
 from .motion import toe_place, toe_velocity
-from .states import KNEE, KNEE_RATE, LEGS, Q1, Q2, Q3, TOES, anchor
+from .states import KNEE, KNEE_RATE, LEGS, Q1, Q2, Q3, THIGH_ANGLE, TOES, anchor
 
 # Of a toe that bears less than this share of the weight no friction is told: at lift-off it is infinite.
 HARDLY = 1e-3
@@ -173,8 +173,12 @@ def _load(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
     return force_of_ground(x, p, leg, toe, model)[1]
 
 
+def _shank(t: Any, x: Any, p: Any, leg: int) -> Any:
+    return x[:, THIGH_ANGLE[leg]] + x[:, KNEE[leg]]
+
+
 def make_signals(model: Model) -> tuple[Signal, ...]:
-    """What figures show along a motion: the centre of mass, heights of toes, and the forces on them."""
+    """What figures show along a motion: the centre of mass, shanks, heights of toes and forces on them."""
     found = [
         Signal(
             f"com_{name}",
@@ -190,6 +194,9 @@ def make_signals(model: Model) -> tuple[Signal, ...]:
         )
     ]
     for leg in LEGS:
+        found.append(
+            Signal(f"shank{leg}", _of(_shank, leg=leg), "rad", f"angle of shank {leg}, as that of its thigh")
+        )
         for toe in TOES:
             of = {"leg": leg, "toe": toe, "model": model}
             name = f"{leg}{toe}"

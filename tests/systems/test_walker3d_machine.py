@@ -13,6 +13,7 @@ from walker3d_motion import ENDS, GAITS, gait, mode_named, random_state, values,
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.plugin_check.traced import Traced, number_form, vector_form
+from contwalk.workflow.quantities import values_along
 
 STANDING = mode_named(walker(), "21 22", "2", "1")
 
@@ -212,6 +213,19 @@ def test_a_single_instant_has_observables():
     assert np.isfinite(list(found.values())).all()
     assert found["hip_height"] == x[0, 1]
     assert found["speed"] == 0.0
+
+
+def test_the_angle_of_a_shank_is_that_from_its_knee_to_its_toes():
+    """Toes are as far below the knee as in front of it, so they hang lowest at a quarter of a half turn."""
+    system, x = walker(), np.zeros((1, 28))
+    x[0, [1, 6, 7, 8, 9]] = 0.6, 0.3, 0.5, -0.2, 0.1
+    p = values(system, toe_outer_y=-0.2, toe_outer_z=0.2)
+    shanks = values_along(system, ["shank1", "shank2"], np.zeros(1), x, p)[0]
+    assert shanks == pytest.approx([0.8, -0.1])
+    for leg, thigh, shank in zip((1, 2), (0.3, -0.2), shanks, strict=True):
+        (height,) = values_along(system, [f"height{leg}1"], np.zeros(1), x, p)[0]
+        knee = 0.6 + p["knee_y"] * np.cos(thigh)
+        assert height == pytest.approx(knee - np.hypot(0.2, 0.2) * np.cos(shank - np.pi / 4.0))
 
 
 # -- its picture ---------------------------------------------------------------------------------------------
