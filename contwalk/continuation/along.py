@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,12 +10,10 @@ from contwalk.continuation.kinds import crossed, kinds_of_test
 from contwalk.continuation.locating import Found
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
-from contwalk.numerics.bracketing import narrow
+from contwalk.numerics.bracketing import NARROW, zero_of
 from contwalk.problems.located import TURNED
 from contwalk.problems.problem import Located, PointType, Sample, Test, finest
 
-# A bracket that is this narrow, in parts of the segment, is the point.
-NARROW = 1e-12
 # On the finest steps it is looked for so far to both sides, in parts of the segment.
 NEIGHBOURHOOD = 0.02
 # The function may be off by so many times what eigenvalues away from the point are not known to.
@@ -93,18 +90,6 @@ def _turned(segment: Segment, kind: PointType) -> Found | None:
 def _zero(segment: Segment, kind: PointType, low: float, high: float) -> float | None:
     """Where the function of a kind passes zero, to rounding."""
     return zero_of(lambda theta: kind.value(segment.problem, segment.at(theta)), low, high)
-
-
-def zero_of(value: Callable[[float], float], low: float, high: float) -> float | None:
-    """Where a function of the position on a segment passes zero, to rounding; None where it does not."""
-
-    def attempt(theta: float, left: float, right: float) -> float | None:
-        return theta if right - left < NARROW or value(theta) == 0.0 else None
-
-    ends = value(low), value(high)
-    if not ends[0] * ends[1] < 0.0:
-        return None
-    return narrow(value, low, high, *ends, attempt, width=0.0)
 
 
 def _finest(segment: Segment, theta: float, low: float, high: float) -> tuple[Segment, float, float]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from contwalk.continuation.along import zero_of
 from contwalk.continuation.segment import Segment
+from contwalk.numerics.bracketing import zero_of
 
 # What is left of a step before the end, in parts of it: less is the end itself.
 LEAST = 1e-9

@@ -9,6 +9,8 @@ from typing import TypeVar
 T = TypeVar("T")
 
 TINY = 1e-300
+# A bracket that is this narrow is the zero.
+NARROW = 1e-12
 
 # What is told of a test function that is smaller than its error: this with its sign. Two such values tell no
 # zero between them, for their product underflows; one of them beside a larger one tells it by its sign.
@@ -74,3 +76,15 @@ def narrow(
         margin = max(width / abs(b - a), 1e-9) if b != a else 0.5
         t = min(max(t, margin), 1.0 - margin)
     return None
+
+
+def zero_of(value: Callable[[float], float], low: float, high: float) -> float | None:
+    """Where a function of the position passes zero, to rounding; None where it does not."""
+
+    def attempt(theta: float, left: float, right: float) -> float | None:
+        return theta if right - left < NARROW or value(theta) == 0.0 else None
+
+    ends = value(low), value(high)
+    if not ends[0] * ends[1] < 0.0:
+        return None
+    return narrow(value, low, high, *ends, attempt, width=0.0)

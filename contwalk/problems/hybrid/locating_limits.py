@@ -22,8 +22,8 @@ from contwalk.problems.orbit.augmented import Near
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.discretization import SOLVED
 from contwalk.problems.orbit.itinerary import imaged_leg
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Located, Sample
+from contwalk.problems.solving import newton_on
 from contwalk.system import Transition
 
 AT_START = ("start", "leaving", "past")

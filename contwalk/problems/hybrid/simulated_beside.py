@@ -31,8 +31,8 @@ from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.conservation import off_its_value
 from contwalk.problems.orbit.fine_steps import discretized
 from contwalk.problems.orbit.itinerary import Itinerary
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
+from contwalk.problems.solving import newton_on
 from contwalk.signatures import folded
 
 # How far beyond, in the metric.

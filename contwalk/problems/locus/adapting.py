@@ -11,9 +11,9 @@ from contwalk.errors import NotFinite, StartError
 from contwalk.numerics.linear import unit_in
 from contwalk.problems.orbit import remesh
 from contwalk.problems.orbit.discretization import FINEST
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.orbit.transport import closed
 from contwalk.problems.sample import Sample
+from contwalk.problems.solving import newton_on
 
 # How much deviations may grow over a segment of equal duration: what a curve holds has second derivatives of
 # the flow in its slopes, which grow by the square of that.

@@ -24,8 +24,8 @@ from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
 from contwalk.problems.hybrid.reasons_in_words import first_sentence
 from contwalk.problems.hybrid.soft_equations import SoftEquations
 from contwalk.problems.orbit.branching import filled_magnitudes
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
+from contwalk.problems.solving import newton_on
 from contwalk.signatures import folded
 
 # A curve goes on at a point if it is no farther from it than this, in the metric: the point is known to 1e-6

@@ -26,8 +26,8 @@ from contwalk.problems.locus.orbit_locus import OrbitLocus
 from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.locus.points.point import sizes
 from contwalk.problems.orbit.branching import filled_magnitudes
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
+from contwalk.problems.solving import newton_on
 
 # How far along the curve of Hopf points the first cycle is looked for, in the metric; the first that is found
 # counts. Nearer its fold is lost in that of the point itself.
@@ -176,7 +176,7 @@ class _Cycles:
         weights = np.concatenate(sizes_there)
         curve = OrbitLocus(OrbitPlane(made, self.free), CURVES[label], (near, weights))
         held = np.concatenate([self.swing[:-1], np.zeros(len(near) - n)]) / weights**2
-        solved = newton_on(curve, near, weights, held)  # type: ignore[arg-type]
+        solved = newton_on(curve, near, weights, held)
         amplitude = float(held[:n] @ (solved[:n] - self.rest[:-1])) / float(held[:n] @ self.swing[:-1])
         if not SMALLER * expected < amplitude < LARGER * expected:
             return None

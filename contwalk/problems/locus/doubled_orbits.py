@@ -13,8 +13,8 @@ from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.locus.orbit_curves import CURVES
 from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.orbit.branching import filled_magnitudes
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
+from contwalk.problems.solving import newton_on
 
 # How far along the curve of doublings the first doubled orbit is looked for, in the metric: last so near that
 # those of a map that folds strongly, with periods doubled before, are still small, and that another special

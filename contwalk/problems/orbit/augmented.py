@@ -26,8 +26,8 @@ from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.lacking import Lacking
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.protocol import OrbitKind
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.solving import newton_on
 
 ITERATIONS = 14
 # A correction this small, in the metric, ends the iteration at once; one that no longer shrinks below the

@@ -28,7 +28,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.errors import NotFinite, PluginError, StartError
-from contwalk.problems.orbit.held_periods import longer_periods
+from contwalk.problems.marching import PERIOD, march
 from contwalk.problems.orbit.homoclinic_laws import (
     ABOUT,
     AT_REST,
@@ -42,8 +42,8 @@ from contwalk.problems.orbit.homoclinic_laws import (
 )
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.slow_place import SlowPlace
-from contwalk.problems.orbit.solving import error_holding, newton_on
 from contwalk.problems.problem import Sample
+from contwalk.problems.solving import error_holding, newton_on
 
 # An orbit that is this slow somewhere, against its fastest, passes an equilibrium, or where one has been.
 CREEPING = 1e-2
@@ -168,8 +168,8 @@ def _approached(
     found: _Approached | None = None
     before: tuple[Sample, float] | None = None
     told, allowed = float(b.z[-1]) + limit.rest, limit.error + wanted
-    for place in longer_periods(problem, b, b.period - a.period, limit.swing):
-        here, last = (replace(b, z=place.z, period=place.period), place.slope), before
+    for place in march(problem, PERIOD, b, b.period - a.period, limit.swing):
+        here, last = (replace(b, z=place.z, period=place.at), float(place.rates[-1])), before
         before = here
         laws = [] if last is None else _laws_beside(problem, last, here)
         if not laws:  # as where the slope of one that swings is zero
@@ -182,7 +182,7 @@ def _approached(
         error = nearest.error + place.error
         if found is not None and error >= found.error:
             break
-        found = _Approached(value + nearest.rest, error, value, place.period)
+        found = _Approached(value + nearest.rest, error, value, place.at)
         told, allowed = found.value, error
         if nearest.swing <= max(ROUNDING * abs(value), place.error):
             break

@@ -17,9 +17,9 @@ from contwalk.problems.orbit.meshing import meshed, most_steps, runs_of
 from contwalk.problems.orbit.orbit_section import own_reference, section_through, speeds_of
 from contwalk.problems.orbit.section import Section, better_phase
 from contwalk.problems.orbit.shooting import Mesh
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.orbit.transport import TOO_MUCH, closed, moved, recut
 from contwalk.problems.sample import Sample
+from contwalk.problems.solving import newton_on
 
 # Residuals so many times above their level are no solution's.
 MISSED = 3e4

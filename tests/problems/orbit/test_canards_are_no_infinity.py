@@ -7,7 +7,8 @@ import pytest
 from small_systems import small_problem
 
 import contwalk as cw
-from contwalk.problems.orbit import unbounded
+from contwalk.numerics.laws import Pair
+from contwalk.problems import marching
 from contwalk.problems.orbit.discretization import Discretization
 
 
@@ -20,13 +21,13 @@ def nerve(t, x, p, dx):
 def test_orbits_further_out_are_asked_seldom_along_a_canard(monkeypatch):
     """Each is as dear as a step of the walk."""
     asked = []
-    solved = unbounded._solved
+    held = marching._held
 
     def counted(*given):
         asked.append(1)
-        return solved(*given)
+        return held(*given)
 
-    monkeypatch.setattr(unbounded, "_solved", counted)
+    monkeypatch.setattr(marching, "_held", counted)
     system = small_problem(nerve, "vw", {"I": 0.0}, "I").system
     problem = cw.Equilibrium(
         system, system.defaults(), "I", discretization=Discretization(scheme="collocation")
@@ -38,11 +39,11 @@ def test_orbits_further_out_are_asked_seldom_along_a_canard(monkeypatch):
 
 
 def test_where_the_parameter_stands_still_it_falls_no_more():
-    def at(slope):
-        return unbounded._Place(np.array([1.0, 2.0]), np.array([1.0, slope]), 0.0)
+    def falls(first, last):
+        return Pair(np.array([1.0, 2.0]), np.zeros(2), np.array([first, last])).falls
 
-    assert unbounded._falls(0, at(1e-3), at(1e-4))
-    assert not unbounded._falls(0, at(1e-3), at(0.0))
-    assert not unbounded._falls(0, at(0.0), at(0.0))
-    assert not unbounded._falls(0, at(1e-3), at(-1e-4))
-    assert not unbounded._falls(0, at(1e-4), at(1e-3))
+    assert falls(1e-3, 1e-4)
+    assert not falls(1e-3, 0.0)
+    assert not falls(0.0, 0.0)
+    assert not falls(1e-3, -1e-4)
+    assert not falls(1e-4, 1e-3)

@@ -17,8 +17,8 @@ from contwalk.problems.hybrid.reasons_in_words import first_sentence, told_once
 from contwalk.problems.hybrid.simulated_round import follows
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.fine_steps import discretized
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
+from contwalk.problems.solving import newton_on
 
 # A state comes back to wherever it starts from if closing up tells this little of it.
 STILL = 1e-9

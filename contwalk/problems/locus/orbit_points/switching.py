@@ -16,8 +16,8 @@ from contwalk.problems.locus.orbit_curves import CURVES, Limits
 from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.locus.valued_curves import BranchPoints, SymmetryBreakings
 from contwalk.problems.orbit.branching import filled_magnitudes
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
+from contwalk.problems.solving import newton_on
 
 # How far beside the point the other curve begins, in the metric: walking back finds the point. The farthest
 # place counts from which Newton's method goes to the curve by less than a part of that way.

@@ -14,8 +14,8 @@ import numpy as np
 
 from contwalk.errors import ContwalkError
 from contwalk.problems.locus.orbit_points.point import known_to
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Located, Sample
+from contwalk.problems.solving import newton_on
 
 SEMISIMPLE = "semisimple"
 TURNS_BACK = (

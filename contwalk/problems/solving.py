@@ -1,11 +1,12 @@
-"""Newton's method on an orbit's equations alone, for orbits beside known ones, and errors."""
+"""Newton's method on a problem's equations alone, for solutions beside known ones, and errors."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from contwalk.errors import StartError
-from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import equations_at
 
 ITERATIONS = 12
@@ -14,7 +15,7 @@ STAGNATES = 1e-8
 
 
 def newton_on(
-    problem: OrbitData,
+    problem: Any,
     guess: np.ndarray,
     weights: np.ndarray,
     normal: np.ndarray | None = None,
@@ -53,11 +54,13 @@ def newton_on(
     raise StartError("Newton's method does not converge.", "")
 
 
-def error_holding(problem: OrbitData, z: np.ndarray, weights: np.ndarray, held: np.ndarray) -> float:
-    """What errors of the equations do to the free parameter of an orbit of which something is held.
+def error_holding(problem: Any, z: np.ndarray, weights: np.ndarray, held: np.ndarray) -> float:
+    """What errors of the equations do to the free parameter of a solution of which something is held.
 
-    `held` is its gradient.
+    `held` is its gradient. Equations that are exact are known to their rounding.
 
     z, weights and `held` have the shape (N + 1,).
     """
-    return problem.linearize(z).parameter_error(held, weights, problem.errors_at(z))
+    linear = problem.linearize(z)
+    errors = linear.levels[0] if problem.meshed is None else problem.meshed.errors_at(z)
+    return float(linear.parameter_error(held, weights, errors))

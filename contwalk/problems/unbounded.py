@@ -1,0 +1,81 @@
+"""Whether a family runs off to infinity while its parameter converges, and to which value.
+
+Two neighbouring solutions between which the slope d lambda / dx of an unknown x falls raise the suspicion: if
+it goes on falling like that, nearly nothing of the parameter's way is left. Whether it does is asked of
+solutions further and further along x, until what is left is rounding: power laws, logarithms and exponentials
+have them, and a family that turns round, or levels off for a while only, has not.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contwalk.numerics.laws import Pair
+from contwalk.numerics.linear import EPSILON
+from contwalk.problems.marching import Place, march, pair_of, unknown
+from contwalk.problems.problem import Sample
+
+# Errors of the equations are worth so much in places where they hide what is left of the parameter's way.
+KNOWN = 10.0
+# Solutions must have gone on so many times as far as where the slope would be zero if it fell in a straight
+# line, which it does towards an edge of the equations' domain.
+BEYOND = 2.0
+
+
+def limit_at_infinity(
+    problem: Any,
+    which: int,
+    a: Sample,
+    b: Sample,
+    suspected: float,
+    fallen: float = 1.0,
+    grown: float = 0.0,
+    grows: np.ndarray | bool = False,
+) -> tuple[float, float] | None:
+    """The value that the parameter tends to as an unknown goes on from a to b and further, and its error.
+
+    None where the family goes on: more than a part `suspected` of the parameter's magnitude is left, or the
+    law ends before the unknown has grown by the factor `grown`, and the slope has fallen to the part `fallen`
+    or is hidden by errors. With it grow the unknowns of `grows`, shape (N + 1,).
+    """
+    pair, size = _pair(which, a, b), float(b.weights[-1])
+    if not (pair.apart and pair.falls and abs(pair.left) <= suspected * size):
+        return None
+    straight = pair.straight
+    begun: Place | None = None
+    last: Place
+    found: tuple[float, float] | None = None
+    for place in march(problem, unknown(which, grows), b, pair.apart, pair.left):
+        if begun is None:
+            begun = last = place
+            continue
+        pair, last, known = pair_of(last, place), place, KNOWN * place.error
+        # What is not known to the suspicion itself tells nothing; what is seen has to fall.
+        if place.error > suspected * size or (not pair.falls and abs(pair.slopes[1] * pair.apart) > known):
+            return None
+        left = pair.left if pair.falls else 0.0
+        if found is None and abs(left) <= max(EPSILON * size, known):
+            found = float(place.z[-1]) + left, abs(left) + place.error
+        if found is None:
+            continue
+        limit, error = found
+        if abs(float(place.z[-1]) - limit) > KNOWN * error + known:
+            return None
+        far = abs(place.at - begun.at) > BEYOND * straight and abs(place.at) > grown * abs(begun.at)
+        if far and (abs(left) <= known or abs(place.rates[-1]) <= fallen * abs(begun.rates[-1])):
+            # What has stood still all the way, as where a machine conserves something, has no slope.
+            before = (a.parameter, a.error * float(a.weights[-1])), (float(begun.z[-1]), begun.error)
+            moves = any(abs(value - limit) > KNOWN * (error + off) for value, off in before)
+            return found if moves else None
+    return None
+
+
+def _pair(which: int, a: Sample, b: Sample) -> Pair:
+    """What the walk's own points tell of the law along an unknown."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = np.array([s.tangent[-1] / s.tangent[which] for s in (a, b)])
+    same_way = a.tangent[which] * b.tangent[which] > 0.0
+    at, values = (np.array([s.z[k] for s in (a, b)]) for k in (which, -1))
+    return Pair(at, values, slopes if same_way else np.zeros(2))
