@@ -16,11 +16,14 @@ from collections.abc import Callable
 import numpy as np
 
 from contwalk.branch import Outcome
+from contwalk.numerics.bracketing import zero_of
+from contwalk.numerics.hermite_curve import HermiteCurve
+from contwalk.numerics.laws import Pair
 from contwalk.problems.hybrid import locating_limits
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
-from contwalk.problems.orbit.solving import error_holding
 from contwalk.problems.orbit.vanishing import shrunk
 from contwalk.problems.problem import Sample
+from contwalk.problems.solving import error_holding
 
 # Between two orbits a guard has been zero all along its leg if it is this much smaller there, and the time
 # that the leg lasts is not.
@@ -28,11 +31,8 @@ SMALLER = 0.1
 # A guard that is smaller than this, in units of what typical changes of the states make of it, is zero if the
 # parameter has no more than this part of its magnitude to go.
 POINT, REST = 1e-8, 1e-3
-# It falls like no higher power of the parameter's way than this; how far along the tangent its rate is told,
-# in parts of the step.
-MOST_POWER, ALONG, TINY = 4.0, 1e-2, 1e-300
-# Where a size passes zero is known to this part of the way; steps of the search for it.
-CLOSE, SEARCHES = 1e-13, 60
+# How far along the tangent its rate is told, in parts of the step.
+ALONG = 1e-2
 # A leg that takes less than this part of the closure vanishes, rather than lasts.
 LASTS = 1e-2
 
@@ -74,7 +74,7 @@ def _through_zero(problem: LimitedOrbit, leg: int, a: Sample, b: Sample) -> str:
     if not first * last < 0.0:
         return ""
     lasting = problem.layout.durations.start + leg
-    between = _cubic(a, b)(first / (first - last))
+    between = _between(a, b).guess(first / (first - last))
     reaches = [reach(problem, z, leg) for z in (a.z, b.z, between)]
     if a.z[lasting] * b.z[lasting] <= 0.0:
         return ""  # the leg vanishes, and its guard with it
@@ -87,8 +87,8 @@ def _through_zero(problem: LimitedOrbit, leg: int, a: Sample, b: Sample) -> str:
 def _to_zero(problem: LimitedOrbit, leg: int, a: Sample, b: Sample, magnitudes: np.ndarray) -> str:
     """Where a guard that is nearly zero all along its leg will be; empty if it is not.
 
-    A family need not have solutions beyond its point, and is followed then until it is one to rounding. The
-    guard falls like a power of what is left of the parameter's way, which its rate at the first orbit tells.
+    A family need not have solutions beyond its point, and is followed then until it is one to rounding: the
+    parameter converges like a power of the guard's inverse.
     """
     before, after = (reach(problem, s.z, leg) for s in (a, b))
     if not 0.0 < after < before:
@@ -99,22 +99,29 @@ def _to_zero(problem: LimitedOrbit, leg: int, a: Sample, b: Sample, magnitudes: 
         return ""
     if not after < POINT * typical_guard(problem, b.z, magnitudes, leg):
         return ""
-    step = ALONG * float(np.linalg.norm((b.z - a.z) / a.weights)) * a.tangent
-    further = reach(problem, a.z + step, leg)
     if abs(float(b.z[problem.layout.durations][leg])) < LASTS * problem.duration(b.z):
         return ""  # the leg vanishes, and its guard with it
-    left = float(step[-1]) * before / max(before - further, TINY)
-    if not before > further or MOST_POWER * abs(left) > REST * float(b.weights[-1]):
+    step = ALONG * float(np.linalg.norm((b.z - a.z) / a.weights))
+    rates = [
+        (reach(problem, s.z + step * s.tangent, leg) - size) / step for s, size in ((a, before), (b, after))
+    ]
+    sizes, shares = np.array([before, after]), np.array([a.tangent[-1], b.tangent[-1]])
+    pair = Pair(1.0 / sizes, np.array([a.z[-1], b.z[-1]]), -shares / np.array(rates) * sizes**2)
+    if not pair.falls or abs(pair.left) > REST * float(b.weights[-1]):
         return ""
-    return _told(problem, float(b.z[-1]), MOST_POWER * abs(left))
+    return _told(problem, float(b.z[-1]) + pair.left, abs(pair.left))
 
 
 def _where(problem: LimitedOrbit, a: Sample, b: Sample, size: Size) -> str:
     """The parameter at which a size passes zero between two orbits, with its error, in words."""
-    share = _root(a, b, size)
-    value = float(_cubic(a, b)(share)[-1])
-    straight = float(a.z[-1] + share * (b.z[-1] - a.z[-1]))
-    return _told(problem, value, abs(value - straight) + _noise(problem, a, b))
+    curve = _between(a, b)
+    share = zero_of(lambda theta: size(curve.guess(theta)), 0.0, 1.0)
+    theta = 1.0 if share is None else share  # where it is zero at the second one
+    value, straight = float(curve.guess(theta)[-1]), float(a.z[-1] + theta * (b.z[-1] - a.z[-1]))
+    held = (b.z - a.z) / a.weights**2
+    held[-1] = 0.0  # what errors of the equations do to the parameter of an orbit of a size
+    noise = error_holding(problem, a.z, a.weights, held)
+    return _told(problem, value, abs(value - straight) + noise)
 
 
 def _told(problem: LimitedOrbit, value: float, error: float) -> str:
@@ -122,45 +129,9 @@ def _told(problem: LimitedOrbit, value: float, error: float) -> str:
     return problem.line.described(value, error)
 
 
-def _noise(problem: LimitedOrbit, a: Sample, b: Sample) -> float:
-    """What errors of the equations do to the parameter of an orbit of a size."""
-    held = (b.z - a.z) / a.weights**2
-    held[-1] = 0.0
-    return error_holding(problem, a.z, a.weights, held)
-
-
-def _root(a: Sample, b: Sample, size: Size) -> float:
-    """Where a size that is positive at the first orbit and not at the second passes zero, 0..1.
-
-    By the secant through both sides, of which the value at one that stays is halved (Illinois).
-    """
-    there, low, high = _cubic(a, b), 0.0, 1.0
-    first, last, kept = size(a.z), size(b.z), 0
-    for _ in range(SEARCHES):
-        share = low + (high - low) * first / (first - last)
-        found = size(there(share))
-        if found > 0.0:
-            low, first, last, kept = share, found, last * (0.5 if kept == 1 else 1.0), 1
-        else:
-            high, last, first, kept = share, found, first * (0.5 if kept == -1 else 1.0), -1
-        if found == 0.0 or high - low < CLOSE:
-            break
-    return share
-
-
-def _cubic(a: Sample, b: Sample) -> Callable[[float], np.ndarray]:
-    """Unknowns between two orbits, by their tangents."""
-    chord = b.z - a.z
-    normal = chord / a.weights**2
-    length = float(chord @ normal)
-    first, last = (s.tangent * length / float(s.tangent @ normal) for s in (a, b))
-
-    def at(share: float) -> np.ndarray:
-        rest = 1.0 - share
-        straight = a.z + share * chord
-        return straight + share * rest * (rest * (first - chord) - share * (last - chord))
-
-    return at
+def _between(a: Sample, b: Sample) -> HermiteCurve:
+    """The curve of orbits between two, by their tangents."""
+    return HermiteCurve((a.z, b.z), (a.tangent, b.tangent), a.weights)
 
 
 def arrival(orbit: LimitedOrbit, z: np.ndarray, i: int) -> float:
