@@ -176,6 +176,11 @@ DOCUMENTED: dict[str, list[Told]] = {
         *_each("NS", "c_knee", "0.814767"),
         *_each("BP", "c_knee", "1.115896"),
     ],
+    "walker3d_stiffer_ground_inclination": [
+        *_each("NS", "alpha", "0.0753194", "0.0823320"),
+        *_each("BP", "alpha", "0.0818574"),
+        *_each("LP", "alpha", "0.0817609"),
+    ],
     "walker3d_homotopy_beyond": _each("NS", "path", "0.3390444"),
     "walker3d_homotopy": [
         *_each("NS", "path", "0.2065930", "0.9965817"),
