@@ -245,8 +245,10 @@ def _fit(ax: Axes, above: float) -> None:
     assert isinstance(figure, Figure)
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     aspect = (right - left) / (high - low)
-    width = min(max(HEIGHT * aspect, NARROWEST), WIDEST)
-    figure.set_size_inches(width, min(width / aspect, HIGHEST) + AROUND + above)
+    rows = [text.get_window_extent().width for text in ax.texts if text.get_gid() == "row"]
+    beside = max(rows, default=0.0) / figure.dpi
+    width = min(max(HEIGHT * aspect + beside, NARROWEST), WIDEST)
+    figure.set_size_inches(width, min((width - beside) / aspect, HIGHEST) + AROUND + above)
 
 
 def _legend(ax: Axes) -> None:
