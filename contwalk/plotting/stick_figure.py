@@ -27,9 +27,8 @@ OF_AN_ARC, OF_A_MOTION = 4, 8
 # How light an instant is that is not one of events, and how thin both kinds are.
 SHADE, THIN, STRONG = 0.4, 0.5, 0.8
 AIR = 0.12  # beside the outermost instants, in heights of the picture
-# Inches: height of the picture, the greatest one of a short way, its least and greatest width, what text
-# around it takes, and events above it.
-HEIGHT, HIGHEST, NARROWEST, WIDEST, AROUND, ABOVE = 2.7, 5.4, 5.6, 15.0, 0.85, 0.75
+# Inches: height of the picture, its least and greatest width, what text around it takes, and events above it.
+HEIGHT, NARROWEST, WIDEST, AROUND, ABOVE = 2.7, 5.6, 15.0, 0.85, 0.75
 # Side by side: the area of an instant and its least and greatest width and height, what its title and numbers
 # take, and the greatest width of all; inches.
 AREA, SIDES, TITLE, NUMBERS, WHOLE = 4.5, (1.1, 3.6), 0.35, 0.45, 10.0
@@ -240,7 +239,7 @@ def _frame(ax: Axes, limits: np.ndarray, outlines: Sequence[np.ndarray]) -> None
 
 
 def _fit(ax: Axes, above: float) -> None:
-    """Make the figure as long as its axes need, with room above them; that of a short way is higher."""
+    """Make the figure as long as its axes need, with room above them; a short way fills a square at most."""
     figure = ax.figure
     assert isinstance(figure, Figure)
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
@@ -248,7 +247,7 @@ def _fit(ax: Axes, above: float) -> None:
     rows = [text.get_window_extent().width for text in ax.texts if text.get_gid() == "row"]
     beside = max(rows, default=0.0) / figure.dpi
     width = min(max(HEIGHT * aspect + beside, NARROWEST), WIDEST)
-    figure.set_size_inches(width, min((width - beside) / aspect, HIGHEST) + AROUND + above)
+    figure.set_size_inches(width, min((width - beside) / aspect, NARROWEST) + AROUND + above)
 
 
 def _legend(ax: Axes) -> None:
