@@ -125,11 +125,8 @@ def correct(
                 found = _iterated(equations, guess, iterations, damped)
             if not damped and (not found.ok or found.iterations >= LABORIOUS):
                 found = _with_fitted(equations, iterations, found)
-            if found.ok and (damped or norm_in(found.z - guess, weights) <= LARGEST_MAGNITUDE):
+            if found.ok:
                 return _without_dust(found, weights)
-            if found.ok:  # what is rounding there is none here
-                sentence = "Newton's method runs off."
-                found = replace(found, reason="no_convergence", explanation=sentence)
             first = equations.at(guess)
             if first.finite and first.excess <= 2.0:  # a solution, at a point too singular for corrections
                 return equations.ended(guess, first, 0)
@@ -160,7 +157,7 @@ def _with_fitted(equations: _Equations, iterations: int, found: Correction) -> C
         equations.sizes.append(size)
         if size < ON_PLANE or (size < NEARLY and size > 0.25 * previous):
             return equations.ended(z, lin, effort) if lin.excess <= ROUNDED else found
-        if step is None or size > 0.7 * previous:
+        if step is None or size > min(0.7 * previous, LARGEST_MAGNITUDE):
             return found
         z, previous = fitted(z - step, *given), size
         effort += int(size >= NEARLY)
@@ -262,6 +259,9 @@ def _iterated(equations: _Equations, begun: np.ndarray, iterations: int, damped:
             return equations.ended(z, lin, iteration)
         if stalls and not damped:
             return equations.ended(z, lin, iteration, "no_convergence", "Newton's method does not contract.")
+        # What is rounding farther off is none here, and to compute there may take as long as it likes.
+        if not damped and norm_in(z - step - equations.guess, weights) > LARGEST_MAGNITUDE:
+            return equations.ended(z, lin, iteration, "no_convergence", "Newton's method runs off.")
         previous = size
         if damped:
             z, lin = _damped(equations, z, step, lin)

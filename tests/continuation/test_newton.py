@@ -55,6 +55,17 @@ def test_a_singular_bordered_jacobian_is_said():
     assert found.sentence == "The bordered Jacobian is singular."
 
 
+def test_nothing_is_computed_where_a_correction_runs_off():
+    """At 1e-8 the slope of the parabola is 2e-8, so that its height of one seems to vanish 5e7 away."""
+    visited = []
+    problem = MadeUp(lambda z: [1.0 + z[0] ** 2 - z[1]], lambda z: [[2.0 * z[0], -1.0]])
+    linearize = problem.linearize
+    problem.linearize = lambda z: visited.append(float(z[0])) or linearize(z)
+    found = along(problem, [1e-8, 0.0], [0.0, 1.0])
+    assert (found.reason, found.sentence) == ("no_convergence", "Newton's method runs off.")
+    assert set(visited) == {1e-8}
+
+
 def test_what_is_not_finite_is_said_with_its_place():
     problem = MadeUp(lambda z: [math.nan if z[0] > 2.0 else z[0] - z[1]], lambda z: [[1.0, -1.0]])
     found = along(problem, [3.0, 0.0], [0.0, 1.0])
