@@ -20,7 +20,6 @@ from contwalk.continuation.branch_in_progress import (
     resumed,
     spent,
 )
-from contwalk.continuation.crowd import Crowd
 from contwalk.continuation.events import Began, Cut, Event, Found, Noted, Plan
 from contwalk.continuation.first_steps import Beginning, FirstSteps, Place
 from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error, start_refined
@@ -28,7 +27,7 @@ from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import Earlier, End, walk
 from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
-from contwalk.continuation.standing_still import with_what_stands_still
+from contwalk.continuation.stagnation import Crowd, with_what_stands_still
 from contwalk.labels import END, RANGES
 from contwalk.problems.problem import Mirror, Problem, Sample
 

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import branch_jumps, control, domain_edge, kinks_passed, limits, outcomes
+from contwalk.continuation import branch_jumps, control, kinks_passed, limits, outcomes
 from contwalk.continuation.attempt import Attempt, Refusal, attempt
 from contwalk.continuation.back_at_parent import WentOver, back_at_parent
 from contwalk.continuation.correction import Explanation, text_of
 from contwalk.continuation.counts import with_counts
 from contwalk.continuation.detection import at_the_end
-from contwalk.continuation.end_ahead import end_ahead
-from contwalk.continuation.end_within import up_to_end
+from contwalk.continuation.ends_in_reach import edge_reached, end_ahead, up_to_end
 from contwalk.continuation.locating import SAME_POINT, WELL_BEYOND, Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.points_before_limits import COINCIDE, everything, everything_before
@@ -199,7 +198,7 @@ def _given_up(
         reason, explanation = "no_convergence", "Newton's method leads to where the equations have no value."
     if reason in ("not_finite", "plugin_error") and jump is None:
         search.edge = reason, explanation
-        ends = reason == "not_finite" and domain_edge.reached(problem, state.sample)
+        ends = reason == "not_finite" and edge_reached(problem, state.sample)
     before_jump = jump is not None and kinks_passed.reach(jump, attempted.length) < EDGE
     before_edge = attempted.length < EDGE and search.edge is not None
     if not (ends or attempted.smallest or before_jump or before_edge):
