@@ -7,7 +7,7 @@ parameter's way.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,19 +87,23 @@ def pair_of(a: Place, b: Place) -> Pair:
     return Pair(*(np.array(column) for column in columns))
 
 
-def march(problem: Any, coordinate: Coordinate, b: Sample, step: float, left: float) -> Iterator[Place]:
-    """The solution of `b` on the finest steps, and those further out while there are any.
+def march(
+    problem: Any, coordinate: Coordinate, samples: Sequence[Sample], step: float, left: float
+) -> Iterator[Place]:
+    """The solutions of samples on the finest steps, and those further out than the last while there are any.
 
-    `step` is how far the next one is, `left` what is left of the parameter's way at b.
+    `step` is how far the next one is, `left` what is left of the parameter's way there.
     """
-    place = _held(problem, coordinate, b.z, b.weights, left)
-    if place is None:
+    known = [_held(problem, coordinate, sample.z, sample.weights, left) for sample in samples]
+    found = [place for place in known if place is not None]
+    if len(found) < len(known):
         return
-    yield place
+    yield from found
+    place, weights = found[-1], samples[-1].weights
     begun, lost, moves = place.at, 0, abs(left)
     for _ in range(MOST):
         grown = np.where(coordinate.grows, max(_times(place.at + step, begun), 1.0), 1.0)
-        further = _held(place.problem, coordinate, _guess(place, step, left), b.weights * grown, left)
+        further = _held(place.problem, coordinate, _guess(place, step, left), weights * grown, left)
         if further is None or abs(float(further.z[-1] - place.z[-1])) > ABOUT * moves + further.error:
             lost, step = lost + 1, SHORTER * step
             if lost > LOST:

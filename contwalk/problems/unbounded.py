@@ -47,7 +47,7 @@ def limit_at_infinity(
     begun: Place | None = None
     last: Place
     found: tuple[float, float] | None = None
-    for place in march(problem, unknown(which, grows), b, pair.apart, pair.left):
+    for place in march(problem, unknown(which, grows), (b,), pair.apart, pair.left):
         if begun is None:
             begun = last = place
             continue

@@ -22,8 +22,6 @@ from contwalk.problems.kinks import Course, Place
 from contwalk.problems.parameter_kinks import Way, choices_of_parameters
 from contwalk.problems.sample import Sample
 
-# A limit of the parameter this small against its magnitude is zero.
-VANISHING = 1e-10
 # How far beside a place without a finite derivative, against its size, the field is asked for a value.
 ASIDE = 1e-12
 
@@ -46,17 +44,8 @@ class EquilibriumDiagnosis:
                 "force: what solves the equations with that direction pinned is no equilibrium of yours. "
                 "End the range there, or declare as neutral only what is neutral everywhere.",
             )
-        away = escape(problem, a, b)
-        if away is None or away.which >= problem.states:
-            return None
-        limit = 0.0 if abs(away.limit) <= VANISHING * b.weights[-1] else away.limit
-        state = problem.system.state_names[away.which]
-        return Outcome(
-            "complete",
-            "unbounded",
-            f"The equilibrium grows without bound as {free} tends to {limit:.10g}: {state} is "
-            f"{b.z[away.which]:.4g} at {free} = {b.parameter:.10g}. Nothing to do.",
-        )
+        names = dict(enumerate(problem.system.state_names))
+        return escape(problem, a, b, names, "The equilibrium grows without bound")
 
     def end_functions(self, sample: Sample) -> tuple[float, ...]:
         """None: nothing but growth ends a branch of equilibria."""

@@ -2,37 +2,44 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 import numpy as np
 
+from contwalk.branch import Outcome
 from contwalk.errors import PluginError
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Sample
 from contwalk.problems.unbounded import limit_at_infinity
 
-# The parameter is at its limit if what is left is this part of its magnitude. It is followed until the slope
-# has fallen to rounding: a domain of the equations may end on the way.
+# The parameter is at its limit if what is left is this part of its magnitude; a limit that is such a part is
+# zero. It is followed until the slope has fallen to rounding: a domain of the equations may end on the way.
 REST = 1e-10
 # How far from an edge of the domain, in magnitudes of the parameter, it is asked what is left to it; of a
 # limit that exists it is this part of what it is at the second place, or less.
 ASIDE, VANISHES = (1e-13, 1e-11), 0.95
 
 
-@dataclass(frozen=True)
-class Escape:
-    """Which unknown grows without bound, and the limit of the parameter."""
-
-    which: int
-    limit: float
-
-
-def escape(problem: EquilibriumEquations, a: Sample, b: Sample) -> Escape | None:
-    """Where a branch runs off to infinity beyond two neighbouring solutions; None if it does not."""
+def escape(
+    problem: EquilibriumEquations, a: Sample, b: Sample, names: Mapping[int, str], what: str
+) -> Outcome | None:
+    """The end where an unknown that has a name runs off to infinity beyond two neighbouring solutions, if it
+    does; `what` says so in words.
+    """
     which = int(np.argmax(np.abs(b.tangent[:-1]) / b.weights[:-1]))
+    if which not in names:
+        return None
     found = limit_at_infinity(problem, which, a, b, REST, fallen=EPSILON)
-    return None if found is None or _at_an_edge(problem, b) else Escape(which, found[0])
+    if found is None or _at_an_edge(problem, b):
+        return None
+    free, limit = problem.free, 0.0 if abs(found[0]) <= REST * b.weights[-1] else found[0]
+    return Outcome(
+        "complete",
+        "unbounded",
+        f"{what} as {free} tends to {limit:.10g}: {names[which]} is {b.z[which]:.4g} at "
+        f"{free} = {b.parameter:.10g}. Nothing to do.",
+    )
 
 
 def _at_an_edge(problem: EquilibriumEquations, b: Sample) -> bool:

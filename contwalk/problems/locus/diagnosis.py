@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.equilibrium.diagnosis import VANISHING, EquilibriumDiagnosis
+from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
 from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kink import Kink, Met
 from contwalk.problems.locus.lead import lead_of_others
@@ -106,19 +106,5 @@ class LocusDiagnosis:
     def _escaped(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve along which a state or the second parameter grows without bound."""
         problem = self.problem
-        away = escape(problem, a, b)
-        if away is None:
-            return None
-        names = dict(enumerate(problem.system.state_names))
-        names[len(b.z) - 2] = str(problem.plane.second)
-        name = names.get(away.which)
-        if name is None:
-            return None
-        free = problem.free
-        limit = 0.0 if abs(away.limit) <= VANISHING * b.weights[-1] else away.limit
-        return Outcome(
-            "complete",
-            "unbounded",
-            f"The curve runs off as {free} tends to {limit:.10g}: {name} is {b.z[away.which]:.4g} at "
-            f"{free} = {b.parameter:.10g}. Nothing to do.",
-        )
+        names = dict(enumerate(problem.system.state_names)) | {len(b.z) - 2: str(problem.plane.second)}
+        return escape(problem, a, b, names, "The curve runs off")

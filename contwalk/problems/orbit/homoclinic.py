@@ -11,46 +11,43 @@ chapters 6 and 7):
 | saddle-focus whose pair leads | Re(c exp((-rho + i omega) T)): folds without end |
 | saddle-node, just gone | falls like 1 / (T - T_0)^2, while the least speed does |
 
+They tell how the orbit comes as well: its least distance is where what is drawn in at the rate mu and what is
+repelled at the rate nu are alike, and falls like exp(-mu nu T / (mu + nu)).
+
 Far from its limit an orbit that comes to a saddle slowly and leaves it fast is still on its way: it follows
 the saddle's stable manifold along what repels it, as a canard, and its rate is not yet the saddle's own. Then
 how its least distance falls tells that it comes, and the rate that is seen is the later one but for a factor.
 
-All of it follows from two neighbouring orbits, so that a walk that is taken up again sees the same. The last
-of them is solved once more on the finest steps, its period held: what the walk's own steps do to the
-parameter is mostly more than what is left of its way.
+Two neighbouring orbits of the walk raise the suspicion. They decide on the finest steps, their periods held,
+with orbits of longer periods: what the walk's own steps do to the parameter is mostly more than what is left
+of its way.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.errors import NotFinite, PluginError, StartError
-from contwalk.problems.marching import PERIOD, march
-from contwalk.problems.orbit.homoclinic_laws import (
-    ABOUT,
-    AT_REST,
-    LAWFUL,
-    Limit,
-    Obeyed,
-    coming,
-    drawn,
-    gone,
-    passing,
-)
+from contwalk.numerics.laws import LAWFUL, Limit, Pair, falling, inverse_square, swinging
+from contwalk.problems.marching import PERIOD, march, pair_of
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.problem import Sample
-from contwalk.problems.solving import error_holding, newton_on
 
 # An orbit that is this slow somewhere, against its fastest, passes an equilibrium, or where one has been.
 CREEPING = 1e-2
-# An equilibrium this near to the orbit, in units of its range, is passed by it.
-PASSED = 2e-2
-# One this near, in the same units, may be what the orbit is on its way to.
-NEARING = 0.3
+# An equilibrium this near to the orbit, in units of its range, is passed by it; one this near is so near that
+# its law is hidden, by steps of the walk or by others that are passed; one this near may be what the orbit is
+# on its way to.
+PASSED, AT_REST, NEARING = 2e-2, 1e-3, 0.3
+# How far from the rate of its equilibrium the parameter may be where another one is seen.
+ABOUT = 4.0
+# A saddle is left far faster than it is come to, if it is so many times.
+FAR_FASTER = 10.0
 # A parameter this near to its limit, relative to itself, is at it.
 LEAST_REST = 1e-10
 # What is left of its way, relative to itself, when orbits of longer periods tell no more.
@@ -70,16 +67,50 @@ class _Law:
     """A limit by a law, what else is true of the orbit before if the law holds, and what is passed there."""
 
     limit: Limit
-    obeyed: Obeyed
+    obeyed: Callable[[list[SlowPlace]], bool]
     where: str
 
 
-class _Equilibrium:
-    """An equilibrium beside a slow place, shape (n,), and its eigenvalues."""
+@dataclass(frozen=True)
+class _Approached:
+    """A limit of the parameter, its error, from which parameter and period it is extrapolated, and what is
+    passed there.
+    """
 
-    def __init__(self, place: SlowPlace, rest: np.ndarray) -> None:
-        self.place, self.rest = place, rest
-        self.values = np.sort_complex(np.linalg.eigvals(place.jacobian(rest)))
+    value: float
+    error: float
+    last: float
+    period: float
+    where: str
+
+
+@dataclass(frozen=True)
+class _Equilibrium:
+    """An equilibrium beside a slow place, shape (n,), and how an orbit leaves it and comes to it."""
+
+    place: SlowPlace
+    rest: np.ndarray
+
+    @cached_property
+    def distance(self) -> float:
+        """Of the orbit, in units of its range."""
+        return self.place.distance(self.rest)
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """Eigenvalues, shape (n,)."""
+        return np.sort_complex(np.linalg.eigvals(self.place.jacobian(self.rest)))
+
+    @cached_property
+    def leading(self) -> list[complex]:
+        """The slowest eigenvalue that repels, if there is one, and the slowest that draws in."""
+        sides = (self.values[self.values.real > 0.0], self.values[self.values.real < 0.0])
+        return [complex(side[np.argmin(np.abs(side.real))]) for side in sides if len(side)]
+
+    @property
+    def saddle(self) -> bool:
+        """Whether it repels, and draws in as well."""
+        return len(self.leading) == 2
 
     def is_(self, other: _Equilibrium) -> bool:
         """Whether both are one: an orbit is slow more than once where it winds about it."""
@@ -93,47 +124,46 @@ class _Equilibrium:
         same = self.values.shape == other.values.shape
         return same and bool(np.allclose(self.values, other.values, rtol=ALIKE))
 
-
-@dataclass(frozen=True)
-class _Approached:
-    """A limit of the parameter, its error, and from which parameter and period it is extrapolated."""
-
-    value: float
-    error: float
-    last: float
-    period: float
+    def come_nearer(self, before: list[SlowPlace]) -> float:
+        """The logarithm of by how much an orbit is nearer than one before, with these slow places; NaN where
+        that does not pass the equilibrium.
+        """
+        known = ((p, p.equilibrium(self.rest)) for p in before if p.names == self.place.names)
+        distances = [p.distance(old) for p, old in known if old is not None]
+        return float(np.log(min(distances, default=np.nan) / self.distance))
 
 
 def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     """The end at a homoclinic or heteroclinic orbit, where two neighbouring orbits show that it is near."""
     if problem.forced or not b.period > a.period:
         return None
-    rises = [float(problem.duration_gradient(s.z) @ s.tangent) for s in (a, b)]
-    if 0.0 in rises:
-        return None
-    slopes = np.array([float(s.tangent[-1]) / rise for s, rise in zip((a, b), rises, strict=True)])
+    rises = np.array([problem.duration_gradient(s.z) @ s.tangent for s in (a, b)])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = np.array([a.tangent[-1], b.tangent[-1]]) / rises
     # A limit at zero is known to a part of what the parameter is elsewhere.
-    size = max(abs(float(b.z[-1])), NEAR_ZERO * float(b.weights[-1]))
+    typical = float(b.weights[-1])
+    size = max(abs(float(b.z[-1])), NEAR_ZERO * typical)
     wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * size
     if not np.all(np.isfinite(slopes)) or abs(slopes[1]) * b.period > MOST_TURNS * wanted:
         return None
+    pair = Pair(np.array([a.period, b.period]), np.array([a.z[-1], b.z[-1]]), slopes)
     places = _creeping(problem, b.z)
-    laws = _laws(places, (a, b), slopes, problem.eventful)
-    law = _obeyed(problem, laws, a, wanted)
-    if law is None and _lies_within_noise(places, abs(slopes[1]), REST * wanted):
-        law = _obeyed(problem, _laws_on_finest_steps(problem, places, (a, b)), a, wanted)
-    if law is None:
+    near = [law for law in _laws(places, pair, problem.eventful, typical) if law.limit.swing <= wanted]
+    before = problem.slow_places(a.z) if near else []
+    if not any(law.obeyed(before) for law in near) and not _lies_within_noise(places, pair, wanted):
         return None
-    near = _approached(problem, law.limit, (a, b), wanted) or _extrapolated(problem, law.limit, b)
-    line, digits = problem.line, _digits(near)
-    last = line.described(near.last, None, digits).removeprefix(f"{line.free} = ")
+    found = _approached(problem, (a, b), wanted)
+    if found is None:
+        return None
+    line, digits = problem.line, 12 if found.error >= 1e-10 * abs(found.value) else 16
+    last = line.described(found.last, None, digits).removeprefix(f"{line.free} = ")
     return Outcome(
         "stopped",
         "homoclinic",
         f"The period runs off ({problem.system.lasting(b.period, '.4g')} here) while the orbit creeps past "
-        f"{law.where}: {_of_what(problem.eventful)} at {line.described(near.value, near.error, digits)}, "
+        f"{found.where}: {_of_what(problem.eventful)} at {line.described(found.value, found.error, digits)}, "
         f"by extrapolation from {last}, where the period is "
-        f"{problem.system.lasting(near.period, '.4g')}.{_doubt(b)} Nothing to do.",
+        f"{problem.system.lasting(found.period, '.4g')}.{_doubt(b)} Nothing to do.",
     )
 
 
@@ -142,66 +172,44 @@ def saddle_ahead(problem: OrbitData, z: np.ndarray) -> str | None:
 
     z has the shape (N + 1,).
     """
-    for place in [] if problem.forced else _creeping(problem, z):
-        rest = place.equilibrium()
-        if rest is not None and place.distance(rest) <= NEARING:
-            rates = np.linalg.eigvals(place.jacobian(rest)).real
-            if rates.min() < 0.0 < rates.max():
-                return place.described(rest)
-    return None
+    near = _equilibria([] if problem.forced else _creeping(problem, z))
+    found = (own.place.described(own.rest) for own in near if own.saddle and own.distance <= NEARING)
+    return next(found, None)
 
 
-def _digits(near: _Approached) -> int:
-    """Two digits more than an error leaves, and twelve at least."""
-    return 12 if near.error >= 1e-10 * abs(near.value) else 16
+def _approached(problem: OrbitData, samples: tuple[Sample, Sample], wanted: float) -> _Approached | None:
+    """The limit as orbits of longer and longer periods tell it, until rounding is all that is left of the way
+    to it.
 
-
-def _approached(
-    problem: OrbitData, limit: Limit, samples: tuple[Sample, Sample], wanted: float
-) -> _Approached | None:
-    """The limit as orbits of longer periods tell it, until rounding is all that is left of the way to it.
-
-    None where there are none. Each must tell the limit within the error that the one before claims: where
-    it does not, its parameter is rounding.
+    None where there are none. The first two must come to what they pass as its law says; each later one must
+    tell the limit within the error of the one before: where it does not, its parameter is rounding.
     """
     a, b = samples
     found: _Approached | None = None
-    before: tuple[Sample, float] | None = None
-    told, allowed = float(b.z[-1]) + limit.rest, limit.error + wanted
-    for place in march(problem, PERIOD, b, b.period - a.period, limit.swing):
-        here, last = (replace(b, z=place.z, period=place.at), float(place.rates[-1])), before
-        before = here
-        laws = [] if last is None else _laws_beside(problem, last, here)
-        if not laws:  # as where the slope of one that swings is zero
-            continue
-        value = float(place.z[-1])
-        agree = [law.limit for law in laws if abs(value + law.limit.rest - told) <= allowed]
-        if not agree:
-            break
-        nearest = min(agree, key=lambda x: x.error)
-        error = nearest.error + place.error
-        if found is not None and error >= found.error:
-            break
-        found = _Approached(value + nearest.rest, error, value, place.at)
-        told, allowed = found.value, error
-        if nearest.swing <= max(ROUNDING * abs(value), place.error):
-            break
+    last, before = None, list[SlowPlace]()
+    left = max(wanted, abs(b.parameter - a.parameter))
+    for place in march(problem, PERIOD, samples, b.period - a.period, left):
+        slow, value = _creeping(place.problem, place.z), float(place.z[-1])
+        if last is not None:
+            with np.errstate(over="ignore", invalid="ignore"):  # what overflows obeys none
+                laws = _laws(slow, pair_of(last, place), problem.eventful, float(b.weights[-1]))
+            if found is None:
+                laws = [law for law in laws if law.limit.swing <= wanted and law.obeyed(before)]
+            elif laws:
+                told, allowed = found.value, found.error
+                laws = [law for law in laws if abs(value + law.limit.rest - told) <= allowed]
+            if not laws:
+                break
+            nearest = min(laws, key=lambda law: law.limit.error)
+            error = nearest.limit.error + place.error
+            if found is not None and error >= found.error:
+                break
+            where = nearest.where if found is None else found.where
+            found = _Approached(value + nearest.limit.rest, error, value, place.at, where)
+            if nearest.limit.swing <= max(ROUNDING * abs(value), place.error):
+                break
+        last, before = place, slow
     return found
-
-
-def _laws_beside(problem: OrbitData, a: tuple[Sample, float], b: tuple[Sample, float]) -> list[_Law]:
-    """The laws that two orbits obey, each with its d lambda / dT."""
-    slopes = np.array([a[1], b[1]])
-    if not np.all(slopes):
-        return []
-    with np.errstate(over="ignore", invalid="ignore"):  # what overflows obeys none
-        return _laws(_creeping(problem, b[0].z), (a[0], b[0]), slopes, problem.eventful)
-
-
-def _extrapolated(problem: OrbitData, limit: Limit, b: Sample) -> _Approached:
-    """The limit as the law tells it from the last orbit of the walk."""
-    held, known = _held(problem, b)
-    return _Approached(held + limit.rest, limit.error + known, float(b.z[-1]), b.period)
 
 
 def _creeping(problem: OrbitData, z: np.ndarray) -> list[SlowPlace]:
@@ -209,69 +217,20 @@ def _creeping(problem: OrbitData, z: np.ndarray) -> list[SlowPlace]:
     return [place for place in problem.slow_places(z) if place.slowness <= CREEPING]
 
 
-def _obeyed(problem: OrbitData, laws: list[_Law], a: Sample, wanted: float) -> _Law | None:
-    """The law that tells the limit as near as it is wanted, and that the orbit before obeys too."""
-    near = [law for law in laws if law.limit.swing <= wanted]
-    before = problem.slow_places(a.z) if near else []
-    return next((law for law in near if law.obeyed(before)), None)
+def _equilibria(places: list[SlowPlace]) -> list[_Equilibrium]:
+    """The equilibria beside slow places, one for each place that has one."""
+    return [_Equilibrium(place, rest) for place in places if (rest := place.equilibrium()) is not None]
 
 
-def _lies_within_noise(places: list[SlowPlace], slope: float, most: float) -> bool:
-    """Whether a saddle is passed so closely, and the limit by its slowest rate within `most`, that the walk's
-    own steps may hide the law.
+def _lies_within_noise(places: list[SlowPlace], pair: Pair, wanted: float) -> bool:
+    """Whether a saddle is passed so closely, and its slowest rate tells a limit so near, that the walk's own
+    steps may hide the law: its slope is noise then, and a walk would go on in that for ever.
     """
-    for place in places:
-        rest = place.equilibrium()
-        if rest is not None and place.distance(rest) <= AT_REST:
-            rates = np.linalg.eigvals(place.jacobian(rest)).real
-            if rates.min() < 0.0 < rates.max() and slope <= most * np.abs(rates).min():
-                return True
-    return False
-
-
-def _laws_on_finest_steps(
-    problem: OrbitData, places: list[SlowPlace], samples: tuple[Sample, Sample]
-) -> list[_Law]:
-    """The laws as both orbits tell them on the finest steps, their periods held.
-
-    What is left of the way of the parameter may be less than what the walk's own steps do to it: then its
-    slope there is noise, and a walk would go on in that for ever.
-    """
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no orbit
-            told = [_followed(problem, sample) for sample in samples]
-    except (NotFinite, PluginError, StartError, np.linalg.LinAlgError):
-        return []
-    a, b = (replace(sample, z=z) for sample, (z, _) in zip(samples, told, strict=True))
-    slopes = np.array([slope for _, slope in told])
-    if not np.all(np.isfinite(slopes)) or 0.0 in slopes:
-        return []
-    return _laws(places, (a, b), slopes, problem.eventful)
-
-
-def _followed(problem: OrbitData, sample: Sample) -> tuple[np.ndarray, float]:
-    """The orbit of the same period on the finest steps, shape (N + 1,), and d lambda / dT there."""
-    fine = problem.finest(sample.z, sample.weights)
-    held = fine.duration_gradient(sample.z)
-    z = newton_on(fine, sample.z, sample.weights, held)
-    return z, float(fine.linearize(z).tangent(held, sample.weights)[-1])
-
-
-def _held(problem: OrbitData, b: Sample) -> tuple[float, float]:
-    """The parameter of the orbit of this period on the finest steps, and its error; that of the walk's own
-    steps where it is not found there.
-    """
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no orbit
-            fine = problem.finest(b.z, b.weights)
-            held = fine.duration_gradient(b.z)
-            z = newton_on(fine, b.z, b.weights, held)
-            known = error_holding(fine, z, b.weights, held)
-        if np.isfinite(known):
-            return float(z[-1]), known
-    except (NotFinite, PluginError, StartError, np.linalg.LinAlgError):
-        pass
-    return float(b.z[-1]), error_holding(problem, b.z, b.weights, problem.duration_gradient(b.z))
+    slope = abs(float(pair.slopes[1]))
+    return any(
+        own.saddle and own.distance <= AT_REST and slope <= REST * wanted * np.abs(own.values.real).min()
+        for own in _equilibria(places)
+    )
 
 
 def _of_what(eventful: bool) -> str:
@@ -289,66 +248,95 @@ def _doubt(sample: Sample) -> str:
     return " Its last multipliers are not known to their size, and are not counted as unstable."
 
 
-def _laws(
-    places: list[SlowPlace], samples: tuple[Sample, Sample], slopes: np.ndarray, eventful: bool
-) -> list[_Law]:
-    """The laws that the parameter obeys: of the equilibria that are passed, or of one that has gone."""
-    found, passed = list[_Law](), list[_Equilibrium]()
-    near = [_Equilibrium(place, rest) for place in places if (rest := place.equilibrium()) is not None]
+def _laws(places: list[SlowPlace], pair: Pair, eventful: bool, size: float) -> list[_Law]:
+    """The laws that the parameter, of a size, obeys: of equilibria passed, or of one that has gone."""
+    found, near = list[_Law | None](), list[_Equilibrium]()
+    for own in _equilibria(places):
+        if own.distance <= NEARING and not any(own.is_(other) for other in near):
+            near.append(own)
+    passed = [own for own in near if own.distance <= PASSED]
     for own in near:
-        if own.place.distance(own.rest) <= PASSED and not any(own.is_(other) for other in passed):
-            passed.append(own)
-    for own in near:
-        alike = sum(other.like(own) for other in passed)
-        found += _laws_of(own.place, own.rest, samples, slopes, eventful, max(alike, 1))
+        alike = max(sum(other.like(own) for other in passed), 1)
+        law = _passing(own, pair, eventful, alike) if own.distance <= PASSED else None
+        found.append(law or _coming(own, pair, eventful))
     if places and not passed:
-        limit, obeyed = gone(places[0], samples, slopes)
-        if limit is not None and _meet(places[0], samples[1], limit):
-            found.append(_Law(limit, obeyed, "where an equilibrium has gone"))
-    return found
+        found.append(_gone(places[0], pair, size))
+    return [law for law in found if law is not None]
 
 
-def _meet(place: SlowPlace, sample: Sample, limit: Limit) -> bool:
-    """Whether two equilibria meet at the limit, where the orbit is slow: else it was never one that has gone,
-    and the parameter stands still for another reason, as along a canard.
+def _passing(own: _Equilibrium, pair: Pair, eventful: bool, alike: int) -> _Law | None:
+    """The limit of orbits that pass an equilibrium, or several alike in a round, by its leading eigenvalue.
+
+    A reset may put the state beside the equilibrium, or an event take it away from there, and forget how it
+    came: then either of the leading ones may tell, and there may be one only. A pair swings about a
+    saddle-focus only: what is drawn in by a focus on all sides does not leave it, and what a reset puts
+    beside one that repels all leaves it the faster, the further away it begins. A round past several alike,
+    as images of each other are, grows by a part of the period at each: whether it does, the way between both
+    orbits tells.
     """
-    value = float(sample.z[-1])
-    there = place.meeting(value, float(sample.weights[-1]))
-    allowed = ABOUT * limit.error + LAWFUL * abs(limit.rest)
-    return there is not None and abs(there - value - limit.rest) <= allowed
+    leading = sorted(own.leading, key=lambda value: abs(value.real))
+    rates = [abs(value.real) for value in leading]
+    # A saddle is come to at one rate and left at the other; a reset, or an event, may see one of them alone.
+    slowest = 1.0 / sum(1.0 / rate for rate in rates) if rates else 0.0
+    shares = sorted({1, alike})
+    allowed = (1.0 / ABOUT, ABOUT) if own.distance < AT_REST else (1.0 - LAWFUL, 1.0 + LAWFUL)
+    for value in leading if eventful else leading[:1] if own.saddle else []:
+        if own.saddle and abs(value.imag) > 1e-9 * abs(value):
+            exponent = complex(-abs(value.real), abs(value.imag))
+            limit = swinging(pair, [exponent / share for share in shares])
+        else:
+            limit = falling(pair, [abs(value.real) / share for share in shares], *allowed)
+        if limit is not None:
+            fastest = max(rates) if eventful or value.imag else slowest
+            return _law(own, limit, pair, slowest / alike / ABOUT, (1.0 + LAWFUL) * fastest)
+    return None
 
 
-def _laws_of(
-    place: SlowPlace,
-    rest: np.ndarray,
-    samples: tuple[Sample, Sample],
-    slopes: np.ndarray,
-    eventful: bool,
-    alike: int,
-) -> list[_Law]:
-    """The law of one equilibrium, one of so many alike that are passed, if the parameter obeys it."""
-    distance, jacobian = place.distance(rest), place.jacobian(rest)
-    lasting = samples[1].period - samples[0].period
+def _coming(own: _Equilibrium, pair: Pair, eventful: bool) -> _Law | None:
+    """The limit of orbits on their way to a saddle that they leave fast.
 
-    def distances(before: list[SlowPlace]) -> list[float]:
-        known = (p for p in before if p.names == place.names)
-        found = ((p, p.equilibrium(rest)) for p in known)
-        return [p.distance(old) for p, old in found if old is not None]
+    What repels orbits with events on the way does so less than the saddle itself: the parameter falls at a
+    rate that grows to the saddle's own. Without events an orbit comes back to a saddle that it leaves far
+    faster: along what repels it so fast the parameter stands still, however it came. What is left of how it
+    came is small, and its square may be more: the parameter falls at the rate at which it comes, or faster,
+    and later at this rate.
+    """
+    if not own.saddle or any(value.imag for value in own.leading):
+        return None
+    out, into = (abs(value.real) for value in own.leading)
+    if into * (1.0 if eventful else FAR_FASTER) >= out:
+        return None
+    allowed = (1.0 / ABOUT, 1.0 + LAWFUL) if eventful else (1.0 - LAWFUL, ABOUT)
+    limit = falling(pair, [out if eventful else into], *allowed)
+    return None if limit is None else _law(own, limit, pair, (1.0 - LAWFUL) * into, (1.0 + LAWFUL) * into)
 
-    where = f"the equilibrium {place.described(rest)}"
-    near = distance <= PASSED
-    limit = passing(jacobian, distance, samples, slopes, eventful, alike) if near else None
-    if limit is not None:
-        return [_Law(limit, lambda before: min(distances(before), default=0.0) > distance, where)]
-    # Without events a homoclinic orbit comes back to the saddle, which tells by the slower of both rates.
-    law = coming if eventful else drawn
-    on_its_way = law(jacobian, samples, slopes) if distance <= NEARING else None
-    if on_its_way is None:
-        return []
-    limit, rate = on_its_way
+
+def _law(own: _Equilibrium, limit: Limit, pair: Pair, slowest: float, fastest: float) -> _Law:
+    """The law of an equilibrium, to which orbits come at a rate between two."""
 
     def comes(before: list[SlowPlace]) -> bool:
-        nearest = min(distances(before), default=distance)
-        return abs(float(np.log(nearest / distance)) / (rate * lasting) - 1.0) < LAWFUL
+        return slowest <= own.come_nearer(before) / pair.apart <= fastest
 
-    return [_Law(limit, comes, where)]
+    return _Law(limit, comes, f"the equilibrium {own.place.described(own.rest)}")
+
+
+def _gone(place: SlowPlace, pair: Pair, size: float) -> _Law | None:
+    """A saddle-node that has gone: lambda - lambda_h and the least speed fall like 1 / (T - T_0)^2.
+
+    Two equilibria meet at the limit, where the orbit is slow: else it was never one that has gone, and the
+    parameter stands still for another reason, as along a canard.
+    """
+    found = inverse_square(pair)
+    if found is None:
+        return None
+    limit, longer = found
+    value = float(pair.values[1])
+    there = place.meeting(value, size)
+    if there is None or abs(there - value - limit.rest) > ABOUT * limit.error + LAWFUL * abs(limit.rest):
+        return None
+
+    def slower(before: list[SlowPlace]) -> bool:
+        times = before[0].speed / max(place.speed, 1e-300)
+        return times > 1.0 and bool(abs(np.log(times) / np.log(longer) - 2.0) <= 0.5)
+
+    return _Law(limit, slower, "where an equilibrium has gone")

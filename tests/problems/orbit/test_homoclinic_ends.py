@@ -9,8 +9,8 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.problems.orbit.homoclinic import _laws, homoclinic
-from contwalk.problems.orbit.homoclinic_laws import coming, drawn, falling, gone, passing, swinging
+from contwalk.numerics.laws import Pair, falling, inverse_square, swinging
+from contwalk.problems.orbit.homoclinic import _coming, _Equilibrium, _gone, _laws, _passing, homoclinic
 from contwalk.problems.orbit.slow_place import SlowPlace
 
 # Where the manifolds of the saddle of the Morris-Lecar model below meet, by SciPy's DOP853 to 1e-13: from two
@@ -147,10 +147,34 @@ def test_folds_before_a_saddle_focus_are_no_end():
 
 
 def samples(law, *periods):
-    """Two neighbouring orbits of a law lambda(T), and the slopes that their tangents tell."""
-    step = 1e-6
+    """Two neighbouring orbits of a law lambda(T), with the slopes that their tangents tell."""
+    step, at = 1e-6, np.array(periods)
     slopes = np.array([(law(t + step) - law(t - step)) / (2.0 * step) for t in periods])
-    return tuple(SimpleNamespace(weights=np.ones(1), period=t, z=np.array([law(t)])) for t in periods), slopes
+    return Pair(at, np.array([law(t) for t in periods]), slopes)
+
+
+def beside(matrix, distance=1e-2):
+    """The equilibrium at 0 of a linear field, shape (n, n), and a slow place of an orbit that passes it."""
+    matrix, n = np.asarray(matrix), len(matrix)
+    state = np.append(np.zeros(n - 1), distance)
+    place = SlowPlace(
+        tuple(f"x{k}" for k in range(n)),
+        1e-4,
+        1.0,
+        state,
+        np.ones(n),
+        state[None],
+        lambda x: matrix @ x,
+        lambda x: matrix,
+        lambda x, value: (matrix @ x, np.column_stack([matrix, np.zeros(n)])),
+    )
+    return _Equilibrium(place, np.zeros(n))
+
+
+def passing(matrix, distance, pair, eventful=False, passes=1):
+    """The limit by the law of an equilibrium that is passed."""
+    law = _passing(beside(matrix, distance), pair, eventful, passes)
+    return None if law is None else law.limit
 
 
 @pytest.mark.parametrize("lasting", [0.126, 0.32, 1.0, 4.0])
@@ -160,8 +184,8 @@ def test_orbits_of_nearly_one_period_tell_no_exponent(lasting):
     law = lambda t: (np.exp(0.5 * exponent * t + 0.4j)).real + passed * np.exp(exponent * t).real  # noqa: E731
     told = 0
     for begin in np.arange(60.0, 90.0, 1.7):
-        pair, slopes = samples(law, begin, begin + lasting)
-        limit = swinging([exponent, 0.5 * exponent], pair, slopes)
+        pair = samples(law, begin, begin + lasting)
+        limit = swinging(pair, [exponent, 0.5 * exponent])
         if limit is not None:
             told += 1
             assert abs(limit.rest + law(begin + lasting)) <= limit.error
@@ -170,24 +194,26 @@ def test_orbits_of_nearly_one_period_tell_no_exponent(lasting):
 
 def test_the_law_of_a_saddle():
     law = lambda t: 2.0 + 3.0 * np.exp(-0.7 * t)  # noqa: E731
-    pair, slopes = samples(law, 10.0, 10.5)
-    limit = falling([0.7], pair, slopes, at_rest=False)
+    pair = samples(law, 10.0, 10.5)
+    limit = falling(pair, [0.7])
     assert limit.rest == pytest.approx(2.0 - law(10.5), rel=1e-4)  # slopes by differences of 1e-6
-    assert falling([1.5], pair, slopes, at_rest=False) is None  # another equilibrium's rate: no end
-    assert falling([1.5], pair, slopes, at_rest=True).error >= abs(limit.rest)
+    assert falling(pair, [1.5]) is None  # another equilibrium's rate: no end
+    # Where that hides the equilibrium's own, the error covers what both rates say.
+    hidden = falling(pair, [1.5], 0.25, 4.0)
+    assert abs(hidden.rest - pair.slopes[1] / 1.5) <= hidden.error
 
 
 def test_a_fold_is_not_the_law_of_a_saddle():
     """Near a fold dlambda/dT falls linearly: by which rate depends on how near, not on an equilibrium."""
-    pair, slopes = samples(lambda t: 2.0 + 1e-9 * (t - 20.0) ** 2, 18.0, 18.3)
-    assert falling([0.05], pair, slopes, at_rest=False) is None
-    assert falling([3.0], pair, slopes, at_rest=False) is None
+    pair = samples(lambda t: 2.0 + 1e-9 * (t - 20.0) ** 2, 18.0, 18.3)
+    assert falling(pair, [0.05]) is None
+    assert falling(pair, [3.0]) is None
 
 
 def test_the_law_of_a_saddle_focus():
     law = lambda t: 2.0 + np.exp(-0.2 * t) * np.cos(1.3 * t + 0.4)  # noqa: E731
-    pair, slopes = samples(law, 20.0, 20.4)
-    limit = swinging([complex(-0.2, 1.3)], pair, slopes)
+    pair = samples(law, 20.0, 20.4)
+    limit = swinging(pair, [complex(-0.2, 1.3)])
     assert limit.rest == pytest.approx(2.0 - law(20.4), rel=1e-3)
     assert limit.swing == pytest.approx(np.exp(-0.2 * 20.4), rel=1e-3)
     assert limit.error >= limit.swing
@@ -197,14 +223,14 @@ def test_the_law_of_a_saddle_focus():
 def test_the_law_of_a_round_past_several_saddle_foci_alike(passes):
     """As of a cycle that its symmetry maps to itself: each passage takes its share of the period."""
     law = lambda t: 2.0 + np.exp(-0.2 * t / passes) * np.cos(1.3 * t / passes + 0.4)  # noqa: E731
-    pair, slopes = samples(law, 20.0 * passes, 20.4 * passes)
+    pair = samples(law, 20.0 * passes, 20.4 * passes)
     matrix = np.array([[-0.2, -1.3, 0.0], [1.3, -0.2, 0.0], [0.0, 0.0, 0.9]])
-    limit = passing(matrix, 1e-2, pair, slopes, passes=passes)
+    limit = passing(matrix, 1e-2, pair, passes=passes)
     assert limit.rest == pytest.approx(2.0 - law(20.4 * passes), rel=1e-3)
     # Where two are alike and one is passed only, the period is that one's.
     law = lambda t: 2.0 + np.exp(-0.2 * t) * np.cos(1.3 * t + 0.4)  # noqa: E731
-    pair, slopes = samples(law, 20.0, 20.4)
-    limit = passing(matrix, 1e-2, pair, slopes, passes=passes)
+    pair = samples(law, 20.0, 20.4)
+    limit = passing(matrix, 1e-2, pair, passes=passes)
     assert limit.rest == pytest.approx(2.0 - law(20.4), rel=1e-3)
 
 
@@ -226,11 +252,11 @@ def place(speed):
     )
 
 
-def bottleneck(state, value):
-    """The slowest place of orbits through x' = lambda + x^2, y' = -y: equilibria meet at (0, 0, 0)."""
+def bottleneck(state, value, meet=0.0):
+    """The slowest place of orbits through x' = lambda - meet + x^2, y' = -y."""
 
     def family(x, at):
-        return np.array([at + x[0] ** 2, -x[1]]), np.array([[2.0 * x[0], 0.0, 1.0], [0.0, -1.0, 0.0]])
+        return np.array([at - meet + x[0] ** 2, -x[1]]), np.array([[2.0 * x[0], 0.0, 1.0], [0.0, -1.0, 0.0]])
 
     speed = float(np.linalg.norm(family(state, value)[0]))
     fixed = lambda x: family(x, value)[0], lambda x: family(x, value)[1][:, :2]
@@ -249,12 +275,16 @@ def test_the_parameter_at_which_equilibria_meet_is_told_where_an_orbit_is_slow()
 
 def test_the_law_of_a_saddle_node_that_has_gone():
     law = lambda t: 2.0 + 5.0 / (t - 3.0) ** 2  # noqa: E731
-    pair, slopes = samples(law, 300.0, 310.0)
-    limit, obeyed = gone(place(1.0 / 307.0**2), pair, slopes)
+    pair = samples(law, 300.0, 310.0)
+    limit, _ = inverse_square(pair)
     assert limit.rest == pytest.approx(2.0 - law(310.0), rel=1e-2)
     assert abs(limit.rest - (2.0 - law(310.0))) <= limit.error
-    assert obeyed([place(1.0 / 297.0**2)])
-    assert not obeyed([place(1.01 / 307.0**2)])  # the least speed stays: no equilibrium has gone
+    # Equilibria meet at lambda = 2; the least speed is what is left of its way.
+    near = bottleneck(np.zeros(2), law(310.0), 2.0)
+    obeyed = _gone(near, pair, 1.0).obeyed
+    assert obeyed([place(near.speed * (307.0 / 297.0) ** 2)])
+    assert not obeyed([place(1.01 * near.speed)])  # the least speed stays: no equilibrium has gone
+    assert _gone(bottleneck(np.zeros(2), law(310.0), 1.0), pair, 1.0) is None  # they meet elsewhere
 
 
 def test_only_an_orbit_that_creeps_is_compared_with_the_one_before():
@@ -294,18 +324,18 @@ def test_the_orbit_before_is_not_looked_at_while_the_limit_is_far():
 def test_the_rate_is_that_of_the_slowest_direction_of_a_saddle(growing, falling):
     """Whether the orbit leaves it slowly or comes to it slowly; faster directions tell nothing."""
     law = lambda t: 2.0 + 3.0 * np.exp(-0.7 * t)  # noqa: E731
-    pair, slopes = samples(law, 10.0, 10.5)
+    pair = samples(law, 10.0, 10.5)
     jacobian = np.diag([growing, 5.0, -falling, -6.0])
-    limit = passing(jacobian, 1e-2, pair, slopes)
+    limit = passing(jacobian, 1e-2, pair)
     assert limit.rest == pytest.approx(2.0 - law(10.5), rel=1e-4)  # slopes by differences of 1e-6
-    assert passing(np.diag([-0.7, -3.0]), 1e-2, pair, slopes) is None  # nothing leaves a sink
+    assert passing(np.diag([-0.7, -3.0]), 1e-2, pair) is None  # nothing leaves a sink
 
 
 def test_a_focus_that_draws_in_is_no_limit_of_orbits_with_events():
     """Two slopes always fit a swing; what a sink has drawn in does not leave it again."""
-    pair, slopes = samples(lambda t: 2.0 + 3.0 * np.exp(-0.3 * t), 20.0, 24.0)
+    pair = samples(lambda t: 2.0 + 3.0 * np.exp(-0.3 * t), 20.0, 24.0)
     focus = np.array([[-0.005, 0.06], [-0.06, -0.005]])
-    assert passing(focus, 1e-2, pair, slopes, eventful=True) is None
+    assert passing(focus, 1e-2, pair, eventful=True) is None
 
 
 def test_on_the_way_to_a_saddle_the_rate_is_not_yet_the_saddles():
@@ -313,52 +343,36 @@ def test_on_the_way_to_a_saddle_the_rate_is_not_yet_the_saddles():
     slope = lambda t: -np.exp(-0.38 * t - 30.0 * np.exp(-0.01 * t))  # noqa: E731
     times = np.linspace(60.0, 200.0, 400001)
     way = float(np.trapezoid(slope(times), times))
-    pair = tuple(SimpleNamespace(period=t, z=np.array([0.0])) for t in (55.0, 60.0))
-    slopes = np.array([slope(55.0), slope(60.0)])
-    limit, rate = coming(np.diag([0.38, -0.01]), pair, slopes)
-    assert rate == pytest.approx(0.01)
-    assert abs(limit.rest - way) <= limit.error < abs(way)
-    assert coming(np.diag([-0.38, -0.01]), pair, slopes) is None  # a sink is not left
-    assert coming(np.diag([0.38, -0.5]), pair, slopes) is None  # the way to it would be the faster one
-    assert coming(np.diag([0.1, -0.01]), pair, slopes) is None  # nothing repels more than the saddle
+    pair = Pair(np.array([55.0, 60.0]), np.zeros(2), np.array([slope(55.0), slope(60.0)]))
+    law = _coming(beside(np.diag([0.38, -0.01])), pair, True)
+    assert abs(law.limit.rest - way) <= law.limit.error < abs(way)
+    assert law.obeyed([beside(np.diag([0.38, -0.01]), 1e-2 * np.exp(0.01 * 5.0)).place])
+    assert _coming(beside(np.diag([-0.38, -0.01])), pair, True) is None  # a sink is not left
+    assert _coming(beside(np.diag([0.38, -0.5])), pair, True) is None  # the way to it would be the faster one
+    assert _coming(beside(np.diag([0.1, -0.01])), pair, True) is None  # nothing repels more than the saddle
 
 
 def test_a_saddle_that_is_left_far_faster_than_it_is_come_to_draws_the_parameter_at_twice_the_rate():
     """Plant's burster: the square of how it comes, exp(-2 * 2.9e-4 t), is more than what is linear in it."""
     rate, periods = 2.9e-4, np.array([22500.0, 22560.0])
     parts = np.array([1e-8 * np.exp(-rate * periods), 1e-4 * np.exp(-2.0 * rate * periods)])
-    pair = tuple(SimpleNamespace(period=t) for t in periods)
-    slopes = -rate * (parts[0] + 2.0 * parts[1])
-    limit, found = drawn(np.diag([0.0994, -rate, -0.0141]), pair, slopes)
-    assert found == pytest.approx(rate)
-    assert abs(limit.rest + parts[:, 1].sum()) <= limit.error
-    assert drawn(np.diag([-0.0994, -2.9e-4]), pair, slopes) is None  # a sink is not left
-    assert drawn(np.diag([2e-3, -2.9e-4]), pair, slopes) is None  # it is not left far faster
-    assert drawn(np.diag([0.0994, -1e-4]), pair, slopes) is None  # too fast for how it comes: still a canard
-    assert drawn(np.diag([0.0994, -1e-3]), pair, slopes) is None  # nor does it fall as fast as that
+    pair = Pair(periods, np.zeros(2), -rate * (parts[0] + 2.0 * parts[1]))
+    saddle = np.diag([0.0994, -rate, -0.0141])
+    law = _coming(beside(saddle), pair, False)
+    assert abs(law.limit.rest + parts[:, 1].sum()) <= law.limit.error
+    assert law.obeyed([beside(saddle, 1e-2 * np.exp(rate * 60.0)).place])
+    assert _coming(beside(np.diag([-0.0994, -2.9e-4])), pair, False) is None  # a sink is not left
+    assert _coming(beside(np.diag([2e-3, -2.9e-4])), pair, False) is None  # it is not left far faster
+    assert _coming(beside(np.diag([0.0994, -1e-4])), pair, False) is None  # too fast: still a canard
+    assert _coming(beside(np.diag([0.0994, -1e-3])), pair, False) is None  # nor does it fall as fast as that
 
 
 def test_an_orbit_that_does_not_come_nearer_is_on_no_way_to_a_saddle():
     """The rates are right and the saddle is near, but the least distance stays: a canard that will turn."""
-    pair, slopes = samples(lambda t: 2.0 + 3.0 * np.exp(-0.3 * t), 20.0, 24.0)
-    saddle = np.diag([0.38, -0.01])
-
-    def at(distance):
-        state = np.array([0.0, distance])
-        return SlowPlace(
-            ("x", "y"),
-            1e-4,
-            1.0,
-            state,
-            np.ones(2),
-            state[None],
-            lambda x: saddle @ x,
-            lambda x: saddle,
-            lambda x, value: (saddle @ x, np.column_stack([saddle, np.zeros(2)])),
-        )
-
-    laws = {law.where: law for law in _laws([at(0.1)], pair, slopes, eventful=True)}
-    law = laws["the equilibrium x = 0, y = 0"]
+    pair = samples(lambda t: 2.0 + 3.0 * np.exp(-0.3 * t), 20.0, 24.0)
+    at = lambda distance: beside(np.diag([0.38, -0.01]), distance).place  # noqa: E731
+    laws = {law.where: law for law in _laws([at(0.1)], pair, eventful=True, size=1.0)}
+    law = laws["the equilibrium x0 = 0, x1 = 0"]
     assert law.obeyed([at(0.1 * np.exp(0.04))])
     assert not law.obeyed([at(0.1)])
     assert not law.obeyed([at(0.1 * np.exp(0.4))])
