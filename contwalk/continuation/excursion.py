@@ -8,27 +8,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from contwalk.continuation import control, outcomes
 from contwalk.continuation.correction import Correction
 from contwalk.continuation.newton import correct
+from contwalk.continuation.prediction import predict
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in, unit_in
 from contwalk.problems.problem import Problem, Sample, at_stored
 
-# How far outside it is followed: parts of each range's width beyond either end, and steps, tried ones too.
-WIDTHS, MOST_STEPS = 0.5, 80
-# Steps outside: the shortest and the longest, against those inside; what a step that went well becomes.
-LEAST_STEP, LONGER, GROWS = 1e-5, 2.0, 1.5
-# A step turns by no more than this part of what steps inside may, and by less where it becomes longer.
-TURNS, EASY = 1.0, 0.5
-# Halvings of the piece of a step on which the range is entered.
-HALVINGS = 60
-# Where else a step that ends inside is looked at for a place outside.
-BETWEEN = (0.0, 0.25, 0.5, 0.75)
+# How far outside it is followed: parts of each range's width beyond either end, and steps, tried ones too,
+# which are so many times as long as inside at most.
+WIDTHS, MOST_STEPS, LONGER = 0.5, 80, 2.0
 
 Reentry = tuple[Problem, ContinuationState]
 
@@ -39,28 +31,28 @@ def reentered(problem: Problem, state: ContinuationState, settings: Settings, si
     `state` is at an end of the range, facing out of it. None where the curve is not followed so far: it
     ends, goes too far or beyond what the plugin declares, or is not the machine's where it comes back.
     """
-    ends = _farthest(problem, settings)
+    ends, outside = _farthest(problem, settings), replace(settings, max_step=LONGER * settings.max_step)
     sample, s, length = state.sample, state.s, state.step
     try:
         for _ in range(MOST_STEPS):
             found = _step(problem, sample, length, settings)
             if found is None:
-                length *= 0.5
-                if length < LEAST_STEP:
-                    return None
+                length = control.shrunk(length)
                 continue
             correction, there = found
             if correction.problem.diagnosis.ended(sample, there) is not None:
                 return None
             arc = HermiteCurve((sample.z, there.z), (sample.tangent, there.tangent), sample.weights)
             if control.inside(there.z, settings.bounds):
-                return _entry(correction.problem, arc, replace(state, s=s, step=length), settings, sign)
+                begins = replace(state, sample=there, s=s, step=length)
+                return _entry(correction.problem, arc, sample, begins, settings, sign)
             if not control.inside(there.z, ends):
                 return None
             problem = at_stored(correction.problem, there.z, there.weights)
-            easy = control.turn(sample, there.tangent) < EASY * settings.max_angle
+            length = control.next_step(
+                length, control.turn(sample, there.tangent), correction.effort, outside
+            )
             sample, s = there, s + sign * arc.length
-            length = min(GROWS * length if easy else length, LONGER * settings.max_step)
     except outcomes.BREAKDOWNS:
         return None
     return None
@@ -92,55 +84,40 @@ def _step(
         return None
     tangent = unit_in(found.linearization.tangent(normal, weights), weights)
     angle = control.turn(sample, tangent)
-    if angle > TURNS * settings.max_angle:
-        return None
-    if control.left_branch(sample, found.z, tangent, angle):
+    if angle > settings.max_angle or control.left_branch(sample, found.z, tangent, angle):
         return None
     return found, replace(sample, z=found.z, tangent=tangent)
 
 
 def _entry(
-    problem: Problem, arc: HermiteCurve, state: ContinuationState, settings: Settings, sign: float
+    problem: Problem,
+    arc: HermiteCurve,
+    before: Sample,
+    state: ContinuationState,
+    settings: Settings,
+    sign: float,
 ) -> Reentry | None:
     """The place at which a step that ends inside enters the range; its end where it hardly was outside.
 
-    `state` is that at the start of the step.
+    `before` is the solution at its start, `state` that at its end; the end of the range is met going back.
     """
-    outside = [t for t in BETWEEN if _beyond(arc.guess(t), settings) is not None]
-    theta, place, guess, normal = 1.0, -1, arc.ends[1].copy(), arc.normal
-    if outside:
-        low, theta = outside[-1], 1.0
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + theta)
-            low, theta = (low, middle) if _beyond(arc.guess(middle), settings) is None else (middle, theta)
-        crossed = _beyond(arc.guess(low), settings)
-        assert crossed is not None
-        place, bound = crossed
-        guess, normal = arc.guess(theta), np.zeros(len(guess))
-        guess[place], normal[place] = bound, 1.0 / arc.weights[place]
+    there = replace(state.sample, tangent=-state.sample.tangent)
+    back = predict(replace(state, sample=there), arc.length, settings)
+    guess, normal = (back.guess, back.normal) if back.to_bound else (there.z, arc.normal)
     found = correct(problem, guess, normal, arc.weights, settings.newton_iterations)
     if not found.ok or found.linearization is None:
         return None
     z = found.z.copy()
-    z[place] = guess[place] if outside else z[place]
+    if back.bounded is not None:
+        z[back.bounded] = guess[back.bounded]
     if not control.inside(z, settings.bounds):
         return None
     tangent = found.linearization.tangent(arc.normal, arc.weights)
     sample = found.problem.examine(z, tangent, arc.weights, found.linearization, None)
     # Outside no spectrum was asked for: what ends a curve by its eigenvalues shows here only.
-    if found.problem.diagnosis.ended(state.sample, sample) is not None or _lost(
-        found.problem, sample, settings
-    ):
+    if found.problem.diagnosis.ended(before, sample) or _lost(found.problem, sample, settings):
         return None
-    return found.problem, ContinuationState(sample, state.s + sign * theta * arc.length, state.step)
-
-
-def _beyond(z: np.ndarray, settings: Settings) -> tuple[int, float] | None:
-    """The place in z of a parameter that is outside its range, and the end that it is beyond."""
-    for place, (low, high) in settings.bounds.items():
-        if not low <= z[place] <= high:
-            return place, low if z[place] < low else high
-    return None
+    return found.problem, ContinuationState(sample, state.s + sign * arc.position(z) * arc.length, state.step)
 
 
 def _lost(problem: Problem, sample: Sample, settings: Settings) -> bool:
