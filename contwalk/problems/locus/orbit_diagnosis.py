@@ -69,7 +69,7 @@ class OrbitLocusDiagnosis:
         if not (min(a.error, b.error) > CREEPING and b.period > a.period):
             return None
         orbit, own = self._plane.first(b.z)
-        saddle = saddle_ahead(orbit, own)
+        saddle = saddle_ahead(orbit, self._plane.first(a.z)[1], own)
         if saddle is None:
             return None
         return Outcome(

@@ -112,6 +112,11 @@ class _Equilibrium:
         """Whether it repels, and draws in as well."""
         return len(self.leading) == 2
 
+    @property
+    def slowest(self) -> float:
+        """The rate at which orbits that pass come nearer: to a saddle at one rate, and away at the other."""
+        return 1.0 / sum(1.0 / abs(value.real) for value in self.leading)
+
     def is_(self, other: _Equilibrium) -> bool:
         """Whether both are one: an orbit is slow more than once where it winds about it."""
         if self.place.names != other.place.names:
@@ -167,14 +172,22 @@ def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     )
 
 
-def saddle_ahead(problem: OrbitData, z: np.ndarray) -> str | None:
-    """The saddle that an orbit creeps past, or is on its way to, as `x = 1, y = 2`; None where there is none.
+def saddle_ahead(problem: OrbitData, before: np.ndarray, z: np.ndarray) -> str | None:
+    """The saddle that an orbit creeps past, or is on its way to, as `x = 1, y = 2`; None where there is none,
+    or it has not come nearer since the orbit before as its eigenvalues say.
 
-    z has the shape (N + 1,).
+    Both have the shape (N + 1,).
     """
     near = _equilibria([] if problem.forced else _creeping(problem, z))
-    found = (own.place.described(own.rest) for own in near if own.saddle and own.distance <= NEARING)
-    return next(found, None)
+    earlier = problem.slow_places(before) if near else []
+    longer = problem.duration(z) - problem.duration(before)
+    comes = (
+        own.place.described(own.rest)
+        for own in near
+        if own.saddle and own.distance <= NEARING
+        if own.come_nearer(earlier) >= own.slowest / ABOUT * longer
+    )
+    return next(comes, None)
 
 
 def _approached(problem: OrbitData, samples: tuple[Sample, Sample], wanted: float) -> _Approached | None:
@@ -275,9 +288,6 @@ def _passing(own: _Equilibrium, pair: Pair, eventful: bool, alike: int) -> _Law 
     orbits tells.
     """
     leading = sorted(own.leading, key=lambda value: abs(value.real))
-    rates = [abs(value.real) for value in leading]
-    # A saddle is come to at one rate and left at the other; a reset, or an event, may see one of them alone.
-    slowest = 1.0 / sum(1.0 / rate for rate in rates) if rates else 0.0
     shares = sorted({1, alike})
     allowed = (1.0 / ABOUT, ABOUT) if own.distance < AT_REST else (1.0 - LAWFUL, 1.0 + LAWFUL)
     for value in leading if eventful else leading[:1] if own.saddle else []:
@@ -287,8 +297,9 @@ def _passing(own: _Equilibrium, pair: Pair, eventful: bool, alike: int) -> _Law 
         else:
             limit = falling(pair, [abs(value.real) / share for share in shares], *allowed)
         if limit is not None:
-            fastest = max(rates) if eventful or value.imag else slowest
-            return _law(own, limit, pair, slowest / alike / ABOUT, (1.0 + LAWFUL) * fastest)
+            # A reset, or an event, may see one of both rates alone; a pair winds about the equilibrium.
+            fastest = abs(leading[-1].real) if eventful or value.imag else own.slowest
+            return _law(own, limit, pair, own.slowest / alike / ABOUT, (1.0 + LAWFUL) * fastest)
     return None
 
 

@@ -16,10 +16,6 @@ AROUND = 256
 ITERATIONS, CONVERGED = 20, 1e-9
 # What is left of the least speed where a state stands still.
 STANDING = 1e-3
-# Places, equally spaced and in halves, at which the field is asked on the way to an equilibrium, and to what
-# part of the way its largest speed is looked for. Over that, a pole of order 1/2 grows by more than POLE.
-ALONG, RESOLVED = 33, 1e-10
-POLE = 1e3
 
 
 @dataclass(frozen=True)
@@ -64,14 +60,13 @@ class SlowPlace:
         return ", ".join(f"{name} = {x:.5g}" for name, x in zip(self.names, told, strict=True))
 
     def equilibrium(self, near: np.ndarray | None = None) -> np.ndarray | None:
-        """The equilibrium nearby, or near another state, by Newton's method; None where there is none, or the
-        field grows without bound on the way to it.
+        """The equilibrium nearby, or near another state, by Newton's method; None where there is none.
 
         All have the shape (k,).
         """
         start = self.state if near is None else near
         x = self._standing(lambda x: (self.velocity(x), self.jacobian(x)), start, self.scale)
-        return x if x is not None and self.distance(x) < 1.0 and self._reaches(x) else None
+        return x if x is not None and self.distance(x) < 1.0 else None
 
     def meeting(self, value: float, size: float) -> float | None:
         """The value of the free parameter, near one, at which two equilibria meet where the orbit is slowest;
@@ -112,41 +107,9 @@ class SlowPlace:
                 return None
         return None
 
-    def _reaches(self, rest: np.ndarray) -> bool:
-        """Whether the field is bounded all along the straight way from an equilibrium to the orbit.
-
-        `rest` has the shape (k,). Behind a pole of the field no orbit comes to it: what looks so has another
-        reason.
-        """
-        nearest = int(np.argmin(np.linalg.norm((self.path - rest) / self.scale, axis=1)))
-        way = self.path[nearest] - rest
-
-        def speed(share: float) -> float:
-            with np.errstate(all="ignore"):
-                return float(np.linalg.norm(self.velocity(rest + share * way) / self.scale))
-
-        shares = np.unique([*np.linspace(0.0, 1.0, ALONG), *0.5 ** np.arange(ALONG)])
-        speeds = np.array([speed(share) for share in shares.tolist()])
-        peaks = 1 + np.flatnonzero((speeds[1:-1] >= speeds[:-2]) & (speeds[1:-1] >= speeds[2:]))
-        return bool(np.all(np.isfinite(speeds))) and all(
-            _largest(speed, float(shares[k - 1]), float(shares[k + 1])) <= POLE * speeds[k]
-            for k in peaks.tolist()
-        )
-
     def distance(self, x: np.ndarray) -> float:
         """Of a state from the orbit, in units of its range. x has the shape (k,)."""
         return float(np.linalg.norm((self.path - x) / self.scale, axis=1).min())
-
-
-def _largest(speed: Callable[[float], float], low: float, high: float) -> float:
-    """The largest value that is met on the way to where a function is largest, by thirds."""
-    largest = 0.0
-    while high - low > RESOLVED:
-        left, right = low + (high - low) / 3.0, high - (high - low) / 3.0
-        sides = speed(left), speed(right)
-        low, high = (low, right) if sides[0] > sides[1] else (left, high)
-        largest = max(largest, *sides)
-    return largest
 
 
 def slow_places_on(

@@ -338,6 +338,27 @@ def test_a_focus_that_draws_in_is_no_limit_of_orbits_with_events():
     assert passing(focus, 1e-2, pair, eventful=True) is None
 
 
+def test_past_a_saddle_an_orbit_comes_nearer_as_both_its_rates_say():
+    """Else the parameter stands still for another reason, whatever rate it has, as along a canard."""
+    repels, draws, lasting = 3.0, 0.7, 0.5
+    # x' = 3 x, y' = -0.7 y from y = 1 to x = 1 in a time T: how near to the saddle it is at least.
+    times = np.linspace(0.0, 10.0, 400001)
+    nearest = [
+        np.hypot(np.exp(repels * (times - passing)), np.exp(-draws * times)).min()
+        for passing in (10.0, 10.0 + lasting)
+    ]
+    pair = samples(lambda t: 2.0 + 3.0 * np.exp(-draws * t), 10.0, 10.0 + lasting)
+    saddle = np.diag([repels, -draws])
+    law = _passing(beside(saddle, nearest[1]), pair, False, 1)
+    assert law.obeyed([beside(saddle, nearest[0]).place])
+    assert np.log(nearest[0] / nearest[1]) / lasting == pytest.approx(
+        repels * draws / (repels + draws), rel=1e-6
+    )
+    assert not law.obeyed([beside(saddle, nearest[1]).place])
+    assert not law.obeyed([beside(saddle, nearest[0] ** 2 / nearest[1]).place])  # twice as fast
+    assert not law.obeyed([])
+
+
 def test_on_the_way_to_a_saddle_the_rate_is_not_yet_the_saddles():
     """Along a canard: the slope falls at the rate 0.38 - 0.3 exp(-T / 100), which grows to 0.38."""
     slope = lambda t: -np.exp(-0.38 * t - 30.0 * np.exp(-0.01 * t))  # noqa: E731
