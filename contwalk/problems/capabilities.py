@@ -92,7 +92,7 @@ class Observed(Protocol):
 
 
 class Diagnosis(Protocol):
-    """What is known of places where a branch ends, or cannot go on."""
+    """What is known of places where a branch ends, or cannot go on: nothing but what a class tells itself."""
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions, if it does."""
@@ -102,7 +102,7 @@ class Diagnosis(Protocol):
         """Functions that are positive beyond an end that `ended` tells, whose zeros are the end; none where
         the end is no place on the branch.
         """
-        ...
+        return ()
 
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z is not finite. z has the shape (N + 1,)."""
@@ -113,14 +113,14 @@ class Diagnosis(Protocol):
 
         z has the shape (N + 1,).
         """
-        ...
+        return ""
 
     def growth(self, z: np.ndarray) -> str:
         """By how much deviations grow where that makes steps short, and what helps; empty where they do not.
 
         z has the shape (N + 1,).
         """
-        ...
+        return ""
 
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
         """Where the equations change their piece on the straight way from a solution to another z, which
@@ -132,11 +132,11 @@ class Diagnosis(Protocol):
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Where the equations are smooth by pieces only: between two solutions, or on the second one."""
-        ...
+        return b.kinks
 
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution, to rounding. z has the shape (N + 1,)."""
-        ...
+        return False
 
 
 class Equivalence(Protocol):

@@ -12,6 +12,7 @@ from contwalk.branch import Outcome
 from contwalk.fields.blame import first_not_finite, first_switched
 from contwalk.fields.switching import Inputs
 from contwalk.problems import kinks, parameter_kinks
+from contwalk.problems.capabilities import Diagnosis
 from contwalk.problems.equilibrium.equations import GROUPS
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.held_by_force import forced
@@ -27,7 +28,7 @@ ASIDE = 1e-12
 
 
 @dataclass(frozen=True)
-class EquilibriumDiagnosis:
+class EquilibriumDiagnosis(Diagnosis):
     """What is known of such places."""
 
     problem: EquilibriumEquations
@@ -47,10 +48,6 @@ class EquilibriumDiagnosis:
         names = dict(enumerate(problem.system.state_names))
         return escape(problem, a, b, names, "The equilibrium grows without bound")
 
-    def end_functions(self, sample: Sample) -> tuple[float, ...]:
-        """None: nothing but growth ends a branch of equilibria."""
-        return ()
-
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z, shape (N + 1,), is not finite, or a derivative of it."""
         beside = (
@@ -63,14 +60,6 @@ class EquilibriumDiagnosis:
         problem = self.problem
         field = problem.system.modes[0].field
         return first_not_finite(field, 0.0, z[: problem.states].tolist(), problem.values_of(z))
-
-    def growth(self, z: np.ndarray) -> str:
-        """Nothing grows: an equilibrium is one state. z has the shape (N + 1,)."""
-        return ""
-
-    def obstacle(self, z: np.ndarray) -> str:
-        """Nothing is known of what keeps a branch from going on at z, shape (N + 1,)."""
-        return ""
 
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
         """Those that lie between an equilibrium a and another solution b, shape (N + 1,)."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Outcome
+from contwalk.problems.capabilities import Diagnosis
 from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
 from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kink import Kink, Met
@@ -21,7 +22,7 @@ NOISE = 1e-13
 
 
 @dataclass(frozen=True)
-class LocusDiagnosis:
+class LocusDiagnosis(Diagnosis):
     """What is known of such places: what is known of the equilibria themselves, and of the curve's condition.
 
     `problem` is an `EquilibriumLocus`.
@@ -41,14 +42,6 @@ class LocusDiagnosis:
         """Where in the plugin a residual at z, shape (N + 1,), is not finite."""
         return EquilibriumDiagnosis(self.problem.plane).explain(self.problem.in_plane(z))
 
-    def growth(self, z: np.ndarray) -> str:
-        """Nothing is told of curves. z has the shape (N + 1,)."""
-        return ""
-
-    def obstacle(self, z: np.ndarray) -> str:
-        """Nothing is known of what keeps a curve from going on at z, shape (N + 1,)."""
-        return ""
-
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
         """Where the equilibria's equations change their piece between two places, shape (N + 1,)."""
         within = self.problem.in_plane
@@ -59,10 +52,6 @@ class LocusDiagnosis:
         within = self.problem.in_plane
         places = (replace(s, z=within(s.z), weights=within(s.weights)) for s in (a, b))
         return EquilibriumDiagnosis(self.problem.plane).kinks_between(*places)
-
-    def many_branches(self, z: np.ndarray) -> bool:
-        """Nothing is known of curves that cross at z, shape (N + 1,), at the ends of ranges."""
-        return False
 
     def unfolded(self, z: np.ndarray) -> bool:
         """Whether a branch point at z, shape (N + 1,), would need the equations to be others."""

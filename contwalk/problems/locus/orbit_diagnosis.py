@@ -11,7 +11,8 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.errors import NotFinite
 from contwalk.numerics.hermite_curve import HermiteCurve
-from contwalk.problems.kink import Kink, Met
+from contwalk.problems.capabilities import Diagnosis
+from contwalk.problems.kink import Met
 from contwalk.problems.locus.orbit_points.point import known_to
 from contwalk.problems.locus.orbit_points.touches import left_its_leg
 from contwalk.problems.locus.persistence import not_persistent, unfolds
@@ -34,7 +35,7 @@ CREEPING = 1e-3
 MANY = 10.0
 
 
-class OrbitLocusDiagnosis:
+class OrbitLocusDiagnosis(Diagnosis):
     """What is known of such places: what is known of the orbits themselves, and of the curve's condition.
 
     `problem` is an `OrbitLocus`.
@@ -51,10 +52,6 @@ class OrbitLocusDiagnosis:
         if self._plane.orbit.in_closure:  # of which alone steps are as fine as curves ask for
             reasons += [self._comes_to_a_loop, self._lost]
         return next((found for reason in reasons if (found := reason(a, b))), None)
-
-    def end_functions(self, sample: Sample) -> tuple[float, ...]:
-        """None: what ends a curve lies beyond all of its orbits."""
-        return ()
 
     def _leaves_its_leg(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve of grazings where the touch comes to the instant of another event."""
@@ -201,10 +198,6 @@ class OrbitLocusDiagnosis:
         there, own = self._plane.first(z)
         return str(there.diagnosis.explain(own))
 
-    def growth(self, z: np.ndarray) -> str:
-        """Nothing is told of curves. z has the shape (N + 1,)."""
-        return ""
-
     def obstacle(self, z: np.ndarray) -> str:
         """What makes orbits beside z hard to find, and what helps; empty if nothing is known of that.
 
@@ -212,10 +205,6 @@ class OrbitLocusDiagnosis:
         """
         there, own = self._plane.first(z)
         return str(there.diagnosis.obstacle(own))
-
-    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
-        """Those that the second orbit crosses."""
-        return b.kinks
 
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether the curve's equations have two directions of solutions at z, to what they are known to.

@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.kink import Kink, Met
+from contwalk.problems.capabilities import Diagnosis
+from contwalk.problems.kink import Met
 from contwalk.problems.orbit import branching, growth_told, undefined
 from contwalk.problems.orbit.conservation import not_conserved
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
@@ -23,7 +24,7 @@ from contwalk.problems.problem import Sample
 Reason = Callable[[Any, Sample, Sample], Outcome | None]
 
 
-class OrbitDiagnosis:
+class OrbitDiagnosis(Diagnosis):
     """What is known of such places."""
 
     # Each says when it applies; how a family shrinks to nothing depends on what it meets on the way.
@@ -39,10 +40,6 @@ class OrbitDiagnosis:
         reasons = (unborn, held, not_conserved, *self.shrinking, homoclinic, unbounded, *self.lost)
         found = (reason(self._orbit, a, b) for reason in reasons)
         return next((outcome for outcome in found if outcome is not None), None)
-
-    def end_functions(self, sample: Sample) -> tuple[float, ...]:
-        """None: what ends a family lies beyond all of its orbits."""
-        return ()
 
     def growth(self, z: np.ndarray) -> str:
         """By how much deviations grow over a segment of a closure where that is too much, and what helps.
@@ -79,10 +76,6 @@ class OrbitDiagnosis:
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
         """What changes with the free parameter alone from an orbit to another solution, shape (N + 1,)."""
         return passed_by_parameters(self._orbit, a, b)
-
-    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
-        """Those that the second orbit crosses, and those that are passed on the step to it."""
-        return b.kinks
 
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution, to rounding. z has the shape (N + 1,)."""
