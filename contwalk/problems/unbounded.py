@@ -40,8 +40,12 @@ def limit_at_infinity(
     law ends before the unknown has grown by the factor `grown`, and the slope has fallen to the part `fallen`
     or is hidden by errors. With it grow the unknowns of `grows`, shape (N + 1,).
     """
-    pair, size = _pair(which, a, b), float(b.weights[-1])
-    if not (pair.apart and pair.falls and abs(pair.left) <= suspected * size):
+    size, before, after = float(b.weights[-1]), a.tangent, b.tangent
+    if not before[which] * after[which] > 0.0 or a.z[which] == b.z[which]:
+        return None
+    slopes = np.array([before[-1] / before[which], after[-1] / after[which]])
+    pair = Pair(np.array([a.z[which], b.z[which]]), np.array([a.z[-1], b.z[-1]]), slopes)
+    if not (pair.falls and abs(pair.left) <= suspected * size):
         return None
     straight = pair.straight
     begun: Place | None = None
@@ -66,16 +70,7 @@ def limit_at_infinity(
         far = abs(place.at - begun.at) > BEYOND * straight and abs(place.at) > grown * abs(begun.at)
         if far and (abs(left) <= known or abs(place.rates[-1]) <= fallen * abs(begun.rates[-1])):
             # What has stood still all the way, as where a machine conserves something, has no slope.
-            before = (a.parameter, a.error * float(a.weights[-1])), (float(begun.z[-1]), begun.error)
-            moves = any(abs(value - limit) > KNOWN * (error + off) for value, off in before)
+            known_before = (a.parameter, a.error * float(a.weights[-1])), (float(begun.z[-1]), begun.error)
+            moves = any(abs(value - limit) > KNOWN * (error + off) for value, off in known_before)
             return found if moves else None
     return None
-
-
-def _pair(which: int, a: Sample, b: Sample) -> Pair:
-    """What the walk's own points tell of the law along an unknown."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slopes = np.array([s.tangent[-1] / s.tangent[which] for s in (a, b)])
-    same_way = a.tangent[which] * b.tangent[which] > 0.0
-    at, values = (np.array([s.z[k] for s in (a, b)]) for k in (which, -1))
-    return Pair(at, values, slopes if same_way else np.zeros(2))

@@ -168,7 +168,7 @@ def rows_of(field, start, value, span):
 
 
 def escaped(problem, a, b):
-    return escape(problem, a, b, {0: "x"}, "It grows")
+    return escape(problem, a, b, "x".__getitem__, "It grows")
 
 
 def test_no_other_branch_has_an_escape():

@@ -45,8 +45,11 @@ class EquilibriumDiagnosis(Diagnosis):
                 "force: what solves the equations with that direction pinned is no equilibrium of yours. "
                 "End the range there, or declare as neutral only what is neutral everywhere.",
             )
-        names = dict(enumerate(problem.system.state_names))
-        return escape(problem, a, b, names, "The equilibrium grows without bound")
+
+        def state(which: int) -> str | None:
+            return problem.system.state_names[which] if which < problem.states else None
+
+        return escape(problem, a, b, state, "The equilibrium grows without bound")
 
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z, shape (N + 1,), is not finite, or a derivative of it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 
 import numpy as np
 
@@ -22,22 +22,20 @@ ASIDE, VANISHES = (1e-13, 1e-11), 0.95
 
 
 def escape(
-    problem: EquilibriumEquations, a: Sample, b: Sample, names: Mapping[int, str], what: str
+    problem: EquilibriumEquations, a: Sample, b: Sample, name: Callable[[int], str | None], what: str
 ) -> Outcome | None:
     """The end where an unknown that has a name runs off to infinity beyond two neighbouring solutions, if it
     does; `what` says so in words.
     """
     which = int(np.argmax(np.abs(b.tangent[:-1]) / b.weights[:-1]))
-    if which not in names:
-        return None
     found = limit_at_infinity(problem, which, a, b, REST, fallen=EPSILON)
-    if found is None or _at_an_edge(problem, b):
+    if found is None or name(which) is None or _at_an_edge(problem, b):
         return None
     free, limit = problem.free, 0.0 if abs(found[0]) <= REST * b.weights[-1] else found[0]
     return Outcome(
         "complete",
         "unbounded",
-        f"{what} as {free} tends to {limit:.10g}: {names[which]} is {b.z[which]:.4g} at "
+        f"{what} as {free} tends to {limit:.10g}: {name(which)} is {b.z[which]:.4g} at "
         f"{free} = {b.parameter:.10g}. Nothing to do.",
     )
 

@@ -95,5 +95,9 @@ class LocusDiagnosis(Diagnosis):
     def _escaped(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve along which a state or the second parameter grows without bound."""
         problem = self.problem
-        names = dict(enumerate(problem.system.state_names)) | {len(b.z) - 2: str(problem.plane.second)}
-        return escape(problem, a, b, names, "The curve runs off")
+
+        def unknown(which: int) -> str | None:
+            states = dict(enumerate(problem.system.state_names))
+            return str(problem.plane.second) if which == len(b.z) - 2 else states.get(which)
+
+        return escape(problem, a, b, unknown, "The curve runs off")
