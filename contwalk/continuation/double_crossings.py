@@ -6,13 +6,13 @@ homoclinic orbits of saddle-foci each fold has its period doubling that near. Be
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.halving import NEAR_ZERO
+from contwalk.continuation.halving import NEAR_ZERO, Placed
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
 from contwalk.continuation.meeting_eigenvalues import PLACES, peaks
@@ -37,23 +37,37 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     splits the search: there a measure may touch zero without passing it. Elsewhere one that touches zero
     belongs to a point where several eigenvalues vanish, some passing up and as many down.
     """
-    ends = [(0.0, segment.a), *[(f.theta, f.sample) for f in branch_points], (1.0, segment.b)]
+    ends: list[Placed] = [(0.0, segment.a), *[(f.theta, f.sample) for f in branch_points], (1.0, segment.b)]
     knots: list[float] = [0.0, 1.0]
     touching: list[Found] = []
-    for (low, a), (high, b) in pairwise(ends):
-        for which in _suspects(a, b, (high - low) * segment.length):
-            theta, passes = _extremum(segment, which, (low, a), (high, b))
-            pair = _close_pair(segment, which, theta)
-            if pair is not None:
-                touching += pair
-            elif passes:
-                knots.append(theta)
-            elif _touches(segment, which, theta) and all(abs(theta - f.theta) > 1e-3 for f in touching):
-                touching += filter(None, [locate_multiple(segment, theta)])
-        knots += peaks(segment, (low, a), (high, b))
+    for low, high, which in _extrema(segment, ends, knots):
+        theta, passes = _extremum(segment, which, low, high)
+        pair = _close_pair(segment, which, theta)
+        if pair is not None:
+            touching += pair
+        elif passes:
+            knots.append(theta)
+        elif _touches(segment, which, theta) and all(abs(theta - f.theta) > 1e-3 for f in touching):
+            touching += filter(None, [locate_multiple(segment, theta)])
     if (between := _between_one_and_minus_one(segment)) is not None:
         knots.append(between)
     return sorted(set(knots)), touching
+
+
+def _extrema(
+    segment: Segment, ends: list[Placed], knots: list[float]
+) -> Iterator[tuple[Placed, Placed, int]]:
+    """Solutions between which a measure of a number may have an extremum beyond zero; `knots` gets peaks.
+
+    Where two eigenvalues meet, their measures are smooth from there on: what is looked at there is as well.
+    """
+    for begin, end in pairwise(ends):
+        known = set(segment.places)
+        knots += peaks(segment, begin, end)
+        inside = [(theta, segment.at(theta)) for theta in segment.places if theta not in known]
+        for low, high in pairwise((begin, *(there for there in inside if not there[1].undecided), end)):
+            for which in _suspects(low[1], high[1], (high[0] - low[0]) * segment.length):
+                yield low, high, which
 
 
 class Hidden(Disagreement):
@@ -138,11 +152,7 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     if finer is None:
         return None
     part = finer.part
-    if (
-        part.a.measures[which] * segment.a.measures[which]
-        < 0.0
-        > part.b.measures[which] * segment.b.measures[which]
-    ):
+    if any(end.measures[which] * segment.a.measures[which] < 0.0 for end in (part.a, part.b)):
         return None  # beyond zero on the finest steps, too, and for longer than these look
     middle, passes = _extremum(part, which, (0.0, part.a), (1.0, part.b))
     if not passes:

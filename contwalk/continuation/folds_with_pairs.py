@@ -51,7 +51,8 @@ def counts_at(sample: Sample, located: bool = False) -> range:
     fold that is known to 1e-13 has a multiplier that is 2e-6 from one.
     """
     sizes = np.abs(sample.eigenvalues - sample.critical)
-    rounding = 100.0 * np.maximum(sample.errors, sample.spectrum_error or 0.0) + 1e-9 * sizes.max(initial=0.0)
+    known = sample.spectrum_accuracy if located else sample.spectrum_error
+    rounding = 100.0 * np.maximum(sample.errors, known or 0.0) + 1e-9 * sizes.max(initial=0.0)
     vanish = sizes <= np.maximum(rounding, sizes.min(initial=np.inf) if located else 0.0)
     low = int(np.count_nonzero((sample.measures > 0.0) & ~vanish))
     return range(low, low + int(np.count_nonzero(vanish)) + 1)

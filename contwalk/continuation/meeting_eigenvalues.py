@@ -11,6 +11,7 @@ Scientific 2003, chapter 2.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,62 +44,118 @@ def peaks(segment: Segment, low: Placed, high: Placed) -> Iterator[float]:
     return looked_for(segment, low, high, place, lambda sample: sample.unstable != count)
 
 
+class _End(NamedTuple):
+    """Eigenvalues at an end of a step, what they change by over it, measures, errors: each of shape (k,)."""
+
+    values: np.ndarray
+    moved: np.ndarray
+    measures: np.ndarray
+    errors: np.ndarray
+
+
 def _place(a: Sample, b: Sample, length: float) -> float | None:
     """Where between two solutions a length apart two eigenvalues come nearest to critical, in parts of it.
 
-    None where no two that meet do come nearer than at the ends, or where no rates of all are known.
+    None where no two that meet do come nearer than at the ends, or where no rates are known.
     """
-    rates = a.rates.of_values, b.rates.of_values
-    if rates[0] is None or rates[1] is None or a.still or b.still:
+    ends = _followed(a, b, length)
+    if ends is None:
         return None
-    if not 2 <= len(a.eigenvalues) == len(b.eigenvalues):
-        return None
-    va, vb = (length * np.nan_to_num(each, posinf=0.0, neginf=0.0) for each in (rates[0], rates[1]))
-    order = _same(a.eigenvalues, b.eigenvalues, va, vb)
-    values, moved = (a.eigenvalues, b.eigenvalues[order]), (va, vb[order])
+    order = _same(ends[0].values, ends[1].values, ends[0].moved, ends[1].moved)
+    ends = ends[0], _End(*(each[order] for each in ends[1]))
     first, second = np.triu_indices(len(order), 1)
-    apart = [each[first] - each[second] for each in values]
+    apart = [end.values[first] - end.values[second] for end in ends]
     squares = [each * each for each in apart]
-    bends = [2.0 * each * (own[first] - own[second]) for each, own in zip(apart, moved, strict=True)]
+    bends = [
+        2.0 * each * (end.moved[first] - end.moved[second]) for each, end in zip(apart, ends, strict=True)
+    ]
     # Where D is nearly straight between the ends no two meet.
     chord = squares[1] - squares[0]
     off = np.maximum(np.abs(bends[0] - chord), np.abs(bends[1] - chord))
     meet = off > STRAIGHT * np.minimum(np.abs(squares[0]), np.abs(squares[1]))
     if not meet.any():
         return None
-    measures = np.array([a.measures, b.measures[order]])
-    certain = np.abs(measures) > np.array([a.errors, b.errors[order]])
+    measures = np.array([end.measures for end in ends])
+    certain = np.abs(measures) > np.array([end.errors for end in ends])
     signs = np.where(certain.all(axis=0) & (measures[0] * measures[1] > 0.0), np.sign(measures[0]), 0.0)
     kept = meet & (signs[first] * signs[second] > 0.0)
     first, second = first[kept], second[kept]
     if not len(first):
         return None
     least = np.abs(measures[:, np.stack([first, second])]).min(axis=(0, 1))
-    sums = [0.5 * (each[first] + each[second]).real for each in (*values, *moved)]
+    sums = [0.5 * (end.values[first] + end.values[second]) for end in ends]
+    sums += [0.5 * (end.moved[first] + end.moved[second]) for end in ends]
     cubics = np.stack(sums, axis=1), np.stack([each[kept] for each in (*squares, *bends)], axis=1)
     places = np.hstack([np.tile(PLACES, (len(first), 1)), cubic.turns(cubics[1].real)])
-    nearest = _nearest(*cubics, signs[first], places) / least[:, None]
+    nearest = _nearest(*cubics, signs[first], places, a) / least[:, None]
     which, place = np.unravel_index(int(np.argmin(nearest)), nearest.shape)
     found = float(places[which, place])
     return found if nearest[which, place] < NEAR_ZERO and 0.0 < found < 1.0 else None
 
 
-def _nearest(mean: np.ndarray, square: np.ndarray, sign: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """What may be left to zero of the nearer one of two eigenvalues at places, both of shape (k, p).
+def _followed(a: Sample, b: Sample, length: float) -> tuple[_End, _End] | None:
+    """All eigenvalues at both ends; where rates have their price those that meet, as one end tells."""
+    if a.still or b.still or not 2 <= len(a.eigenvalues) == len(b.eigenvalues):
+        return None
+    if not a.rates.dear:
+        every = np.arange(len(a.eigenvalues))
+        ends = _end(a, every, length), _end(b, every, length)
+    else:
+        # That end's rates are those that extrema are looked for by.
+        turned = float(np.abs(b.measures).min()) < float(np.abs(a.measures).min())
+        near, far, way = (b, a, -1.0) if turned else (a, b, 1.0)
+        plain = near.measures == near.beyond(near.eigenvalues)
+        there = _end(near, np.flatnonzero(plain), way * length)
+        if there is None or not len(which := _meeting(there)):
+            return None
+        others = _same(there.values[which], far.eigenvalues, np.zeros(len(which)), np.zeros(1))
+        ends = _end(near, np.flatnonzero(plain)[which], length), _end(far, others, length)
+        ends = ends[::-1] if turned else ends
+    return None if ends[0] is None or ends[1] is None else (ends[0], ends[1])
+
+
+def _end(sample: Sample, which: np.ndarray, length: float) -> _End | None:
+    """Eigenvalues of some numbers, shape (k,), at an end of a step; None where no rates are known."""
+    rates = sample.rates.of_values(which)
+    if rates is None:
+        return None
+    moved = length * np.nan_to_num(rates, posinf=0.0, neginf=0.0)
+    return _End(sample.eigenvalues[which], moved, sample.measures[which], sample.errors[which])
+
+
+def _meeting(end: _End) -> np.ndarray:
+    """Which eigenvalues run into others within the step, as values and rates at its beginning tell.
+
+    Of two that leave at a right angle the difference is a root: it goes twice as fast as it does at first.
+    """
+    first, second = np.triu_indices(len(end.values), 1)
+    apart, closing = (each[first] - each[second] for each in (end.values, end.moved))
+    meet = ((apart * np.conj(closing)).real < 0.0) & (np.abs(apart) < 2.0 * np.abs(closing))
+    return np.unique([first[meet], second[meet]])
+
+
+def _nearest(
+    mean: np.ndarray, square: np.ndarray, sign: np.ndarray, places: np.ndarray, sample: Sample
+) -> np.ndarray:
+    """What may be left to critical of the nearer one of two eigenvalues at places, both of shape (k, p).
 
     `mean` and `square` have values and rates at both ends of cubics, shape (k, 4); the sign is that of both
     at the ends, shape (k,). That D is a cubic is known to its last term: it is a parabola where two meet.
     """
     weights = cubic.weights(places)
     means = np.einsum("ki,ikp->kp", mean, weights)
-    squares = np.einsum("ki,ikp->kp", square, weights)
+    # The way in which an eigenvalue becomes critical, from their mean on.
+    ahead = np.ones(1) if sample.critical == 0.0 else means / np.maximum(np.abs(means), 1e-300)
+    squares = np.einsum("ki,ikp->kp", square, weights) / ahead**2
     last = np.abs(square[:, 2] + square[:, 3] - 2.0 * (square[:, 1] - square[:, 0]))[:, None]
-    real = np.sqrt(0.5 * (np.abs(squares) + squares.real) + places**2 * (1.0 - places) * last)
-    return sign[:, None] * means - 0.5 * real
+    along = np.sqrt(0.5 * (np.abs(squares) + squares.real) + places**2 * (1.0 - places) * last)
+    across = np.sqrt(0.5 * np.abs(np.abs(squares) - squares.real)) * np.where(squares.imag < 0.0, -1.0, 1.0)
+    half = 0.5 * ahead * (along + 1j * across)
+    return np.minimum(*(sign[:, None] * sample.beyond(means + each) for each in (half, -half)))
 
 
 def _same(a: np.ndarray, b: np.ndarray, va: np.ndarray, vb: np.ndarray) -> np.ndarray:
-    """Which eigenvalue at the end each one at the beginning becomes, by values and rates, shape (n,)."""
+    """Which eigenvalue at the end each one at the beginning becomes, by values and rates, shape (k,)."""
     miss = np.abs(b - a[:, None] - 0.5 * (va[:, None] + vb))
     found = np.argmin(miss, axis=1)
     if len(np.unique(found)) == len(a):

@@ -37,6 +37,11 @@ class Segment(HermiteCurve):
         return min(max(share, APART / self.length), 1.0)
 
     @property
+    def places(self) -> list[float]:
+        """Positions of the solutions that are known already, in their order."""
+        return sorted(self._known)
+
+    @property
     def vertical(self) -> bool:
         """Whether the parameter stands still all along the segment."""
         return self.a.still and self.b.still

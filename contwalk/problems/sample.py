@@ -26,8 +26,10 @@ class Rates:
         Derivative of the measure of a number 0..count-1 by arclength, NaN where none is known.
     factor : float
         What all of them are multiplied by.
-    of_values : ndarray of complex, shape (count,), optional
-        Derivatives of the eigenvalues themselves, where all are known.
+    of_values : callable, optional
+        Derivatives of the eigenvalues of some numbers themselves, complex.
+    dear : bool
+        Whether each has its price.
     """
 
     def __init__(
@@ -35,19 +37,21 @@ class Rates:
         count: int,
         rate: Callable[[int], float],
         factor: float = 1.0,
-        of_values: np.ndarray | None = None,
+        of_values: Callable[[np.ndarray], np.ndarray] | None = None,
+        dear: bool = True,
     ) -> None:
         self._count, self._rate, self._factor, self._of_values = count, rate, factor, of_values
+        self.dear = dear
 
     @classmethod
     def known(cls, values: np.ndarray, of_values: np.ndarray | None = None) -> Rates:
         """Rates that are known already, of measures and of eigenvalues."""
-        return cls(len(values), values.tolist().__getitem__, of_values=of_values)
+        known = None if of_values is None else of_values.__getitem__
+        return cls(len(values), values.tolist().__getitem__, of_values=known, dear=False)
 
-    @property
-    def of_values(self) -> np.ndarray | None:
-        """Derivatives of the eigenvalues by arclength, shape (count,); None where they are not known."""
-        return None if self._of_values is None else self._factor * self._of_values
+    def of_values(self, which: np.ndarray) -> np.ndarray | None:
+        """Derivatives by arclength of the eigenvalues `which`, shape (k,); None where none are known."""
+        return None if self._of_values is None else self._factor * self._of_values(which)
 
     def __len__(self) -> int:
         return self._count
@@ -59,7 +63,7 @@ class Rates:
 
     def scaled(self, factor: float) -> Rates:
         """Rates by another arclength."""
-        return Rates(self._count, self._rate, self._factor * factor, self._of_values)
+        return Rates(self._count, self._rate, self._factor * factor, self._of_values, self.dear)
 
 
 @dataclass(frozen=True)

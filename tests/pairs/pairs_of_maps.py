@@ -127,7 +127,44 @@ def _passing(
     return case
 
 
+def _meeting(angles: Sequence[float], label: str) -> Callable[[Draw], Case]:
+    """Two multipliers, or pairs, that run into each other, and are beyond the unit circle for a while.
+
+    Outside of that window their modulus stands still, r: they solve m^2 - 2 t m + r^2 = 0, turned by an
+    angle, and one of them is 1 where t is (1 + r^2) / 2.
+    """
+
+    def case(draw: Draw) -> Case:
+        dip, angle = draw.dip(), float(draw.rng.choice(angles))
+        within, part = 10.0 ** draw.rng.uniform(-3.0, -1.0), draw.rng.uniform(0.05, 0.3)
+        square, way = float((1.0 - within) ** 2), float(draw.sign * part)
+        cos, sin = math.cos(angle), math.sin(angle)
+
+        def moved(u: Any, v: Any, q: Any) -> tuple[Any, Any]:
+            return (1.0 + square + 2.0 * way * dip(q)) * u - square * v, u
+
+        def real(u: Sequence[Any], q: Any) -> list[Any]:
+            one, other = moved(u[0], u[1], q)
+            return [cos * one - u[0] ** 3, cos * other - u[1] ** 3]
+
+        def turning(u: Sequence[Any], q: Any) -> list[Any]:
+            (a, c), (b, d) = moved(u[0], u[2], q), moved(u[1], u[3], q)
+            cube = u[0] ** 2 + u[1] ** 2 + u[2] ** 2 + u[3] ** 2
+            found = [cos * a - sin * b, sin * a + cos * b, cos * c - sin * d, sin * c + cos * d]
+            return [each - cube * own for each, own in zip(found, u, strict=True)]
+
+        own = (real, 2) if abs(sin) < 1e-9 else (turning, 4)
+        return _case(draw, [*_others(draw), own], draw.beside(label))
+
+    return case
+
+
+ANGLES = [2.0 * math.pi * part for part in (0.13, 0.2, 0.29, 0.4)]
+
 MAPS = {
+    "maps BP BP of two that meet": _meeting([0.0], "BP"),
+    "maps PD PD of two that meet": _meeting([math.pi], "PD"),
+    "maps NS NS of two that meet": _meeting(ANGLES, "NS"),
     "maps BP BP": _dipping(_scalar, "BP"),
     "maps PD PD": _dipping(_flipped, "PD"),
     "maps NS NS": _dipping(_turning, "NS"),
@@ -136,4 +173,11 @@ MAPS = {
     "maps PD NS": _passing(_flipped, _turning, ("PD", "NS")),
     "maps NS NS of two pairs": _passing(_turning, _turning, ("NS", "NS")),
 }
-DIPS = ("maps BP BP", "maps PD PD", "maps NS NS")
+DIPS = (
+    "maps BP BP",
+    "maps PD PD",
+    "maps NS NS",
+    "maps BP BP of two that meet",
+    "maps PD PD of two that meet",
+    "maps NS NS of two that meet",
+)

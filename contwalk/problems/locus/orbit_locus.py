@@ -214,6 +214,10 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         errors = np.where(staying, 0.0, seen.errors[kept])
         orientation, error = linearization.orientation_and_error(unit, weights, self.errors_at(z))
         rates, factor = seen.rates, own.factor
+
+        def of_values(which: np.ndarray) -> np.ndarray:
+            return factor * rates.of_values(kept[which])
+
         return replace(
             seen,
             z=z,
@@ -224,7 +228,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
             eigenvalues=seen.eigenvalues[kept],
             errors=errors,
             measures=measures,
-            rates=Rates(len(kept), lambda k: factor * rates[int(kept[k])]),
+            rates=Rates(len(kept), lambda k: factor * rates[int(kept[k])], of_values=of_values),
             unstable=_unstable(measures, errors, before),
             resting=critical,
             observables=np.array([*seen.observables, *self.further(z)[: len(self.curve.observables)]]),

@@ -120,7 +120,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
             orientation=orientation,
             eigenvalues=found.values,
             errors=found.errors,
-            rates=rates.of_moduli(self, z, unit, found),
+            rates=rates.of_multipliers(self, z, unit, found),
             measures=found.measures,
             unstable=found.unstable(before),
             magnitudes=linearization.magnitudes,

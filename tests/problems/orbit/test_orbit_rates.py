@@ -48,7 +48,8 @@ def test_the_rate_of_a_modulus_is_that_of_its_closed_form():
     # The tangent in closed form: x, y, T, lam.
     tangent = np.array([0.5 / math.sqrt(0.02), 0.0, -2 * math.pi * 0.5 / 2.01**2, 1.0])
     found = problem.multipliers(z, linearization.jacobian)
-    rate = rates.of_modulus(problem, z, tangent, complex(found.values[0]))
+    value = complex(found.values[0])
+    rate = rates.measured(value, rates.of_multiplier(problem, z, tangent, value))
 
     def modulus(lam):
         return math.exp(-4.0 * math.pi * lam / (2.0 + 0.5 * lam))
