@@ -157,16 +157,16 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
     between = split(segment, low, high, found)
     if between is None:
         return with_its_pair(segment, low, high, found[0])
+    if not between and jump not in _reachable(segment, found):
+        found += _measure_crossings(segment, low, high, found)
+        if jump not in _reachable(segment, found):
+            raise Disagreement(
+                pair(segment.problem),
+                "The number of eigenvalues that cross does not agree with the points found.",
+            )
+        between = split(segment, low, high, sorted(found, key=lambda f: f.theta))
     if between:
         return [f for part in pairwise((low, *between, high)) for f in _crossings(segment, *part, known)]
-    if jump in _reachable(segment, found):
-        return found
-    found += _measure_crossings(segment, low, high, found)
-    if jump not in _reachable(segment, found):
-        raise Disagreement(
-            pair(segment.problem),
-            "The number of eigenvalues that cross does not agree with the points found.",
-        )
     return found
 
 

@@ -29,8 +29,9 @@ def split(segment: Segment, low: float, high: float, found: list[Found]) -> list
     edges = [low, *(0.5 * (f.theta + g.theta) for f, g in pairwise(found)), high]
     alone = len(found) == 1 and found[0].type.test is Test.TURN and segment.problem.meshed is None
     for point, *sides in zip(found, edges, edges[1:], strict=False):
-        possible = counts_at(point.sample, located=segment.problem.meshed is not None)
-        for side in sides:
+        for side, way in zip(sides, (-1.0, 1.0), strict=True):
+            crossing = 0.0 if point.type.test is Test.TURN else way * segment.length
+            possible = counts_at(point.sample, segment.problem.meshed is not None, crossing)
             around = [side]
             while segment.at(around[-1]).unstable not in possible:
                 around.append(0.5 * (point.theta + around[-1]))
@@ -44,18 +45,26 @@ def split(segment: Segment, low: float, high: float, found: list[Found]) -> list
     return []
 
 
-def counts_at(sample: Sample, located: bool = False) -> range:
+def counts_at(sample: Sample, located: bool = False, crossing: float = 0.0) -> range:
     """How many eigenvalues may be unstable beside a solution: those that vanish there may, on either side.
+
+    Where they are `crossing`, that far behind the point or before it, what is critical is the measure, and
+    rates tell how many are unstable.
 
     At a special point that is `located` on steps the nearest one does, whatever it is there: along a canard a
     fold that is known to 1e-13 has a multiplier that is 2e-6 from one.
     """
-    sizes = np.abs(sample.eigenvalues - sample.critical)
+    values = sample.eigenvalues
+    sizes = np.abs(sample.beyond(values) if crossing else values - sample.critical)
     known = sample.spectrum_accuracy if located else sample.spectrum_error
     rounding = 100.0 * np.maximum(sample.errors, known or 0.0) + 1e-9 * sizes.max(initial=0.0)
     vanish = sizes <= np.maximum(rounding, sizes.min(initial=np.inf) if located else 0.0)
-    low = int(np.count_nonzero((sample.measures > 0.0) & ~vanish))
-    return range(low, low + int(np.count_nonzero(vanish)) + 1)
+    low, doubtful = int(np.count_nonzero((sample.measures > 0.0) & ~vanish)), int(np.count_nonzero(vanish))
+    if crossing and not sample.rates.dear:
+        moved = crossing * np.array([sample.rates[int(k)] for k in np.flatnonzero(vanish)])
+        moves = np.abs(moved) > rounding[vanish]
+        low, doubtful = low + int(np.count_nonzero(moves & (moved > 0.0))), int(np.count_nonzero(~moves))
+    return range(low, low + doubtful + 1)
 
 
 def with_its_pair(segment: Segment, low: float, high: float, fold: Found) -> list[Found]:

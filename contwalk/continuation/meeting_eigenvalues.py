@@ -119,7 +119,7 @@ def _end(sample: Sample, which: np.ndarray, length: float) -> _End | None:
     rates = sample.rates.of_values(which)
     if rates is None:
         return None
-    moved = length * np.nan_to_num(rates, posinf=0.0, neginf=0.0)
+    moved = np.where(np.isfinite(rates), length * rates, 0.0)
     return _End(sample.eigenvalues[which], moved, sample.measures[which], sample.errors[which])
 
 

@@ -45,7 +45,7 @@ class Rates:
 
     @classmethod
     def known(cls, values: np.ndarray, of_values: np.ndarray | None = None) -> Rates:
-        """Rates that are known already, of measures and of eigenvalues."""
+        """Rates that are known already, of measures and of eigenvalues, each of shape (count,)."""
         known = None if of_values is None else of_values.__getitem__
         return cls(len(values), values.tolist().__getitem__, of_values=known, dear=False)
 
