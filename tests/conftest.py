@@ -21,8 +21,8 @@ import jsonschema
 import pytest
 from drawing import given_seed, leave_to_long
 from order import longest_first, table
+from turns import HERE, leave_bits_out, listed, wait_for_their_turn
 from turns import table as taking_turns
-from turns import wait_for_their_turn
 
 from contwalk.errors import DatabaseError
 from contwalk.storage import document, interface_schema, open_database
@@ -33,6 +33,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Draws come before marks are looked at; where processes share tests, the longest files come first."""
     wait_for_their_turn(items, given_seed(), taking_turns())
     leave_to_long(items, given_seed())
+    leave_bits_out(items, os.environ.get("CONTWALK_NOISE", ""), listed(HERE / "bits.txt"))
     yield
     if hasattr(config, "workerinput"):
         files = [item.nodeid.split("::")[0] for item in items]

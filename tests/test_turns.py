@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from turns import EVERYTHING, HERE, listed, table, turn_of, wait_for_their_turn
+from turns import EVERYTHING, HERE, leave_bits_out, listed, table, turn_of, wait_for_their_turn
 
 from tools.durations import COSTLY, TURNS, costly
 
@@ -39,13 +39,25 @@ def test_of_two_draws_each_tries_what_the_other_leaves():
     assert turn_of("any word") in (0, 1)
 
 
-def test_the_list_names_tests_that_exist_once_each_and_none_that_always_runs():
-    named = listed(HERE / "turns.txt")
+def test_tests_of_last_bits_are_left_out_under_noise_alone():
+    items = [Item(node) for node in ("tests/a.py::test_one[x-1]", "tests/a.py::test_other")]
+    leave_bits_out(items, "", ["tests/a.py::test_one"])
+    assert not any(item.marks for item in items)
+    leave_bits_out(items, "1", ["tests/a.py::test_one"])
+    assert [item.marks for item in items] == [["skip"], []]
+
+
+@pytest.mark.parametrize("name", ["turns.txt", "bits.txt"])
+def test_the_lists_name_tests_that_exist_once_each(name):
+    named = listed(HERE / name)
     assert len(set(named)) == len(named)
     for node in named:
         path, _, test = node.partition("::")
         text = (HERE.parent / path).read_text(encoding="utf-8")
         assert all(f"class {part}" in text or f"def {part}(" in text for part in test.split("::"))
+
+
+def test_what_takes_turns_is_nothing_that_always_runs():
     always = tuple(listed(HERE / "quick.txt"))
     assert [node for node in table() if node.startswith(always)] == []
 
