@@ -167,7 +167,8 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
         return None if own is None else accepted(part, own, part.at(theta), which, left, right)
 
     outside = part.a.unstable
-    inside = outside + (1 if part.a.measures[which] < 0.0 else -1) * _passing(part.a, which)
+    passing = 1 if part.a.eigenvalues[which].imag == 0.0 else 2
+    inside = outside + (passing if part.a.measures[which] < 0.0 else -passing)
     kind = crossed(part.problem, part.at(middle), which) or kind_of_test(part.problem, Test.ORIENTATION)
     for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
         point = narrow(value, low, high, value(low), value(high), attempt)
@@ -175,10 +176,6 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
             raise Disagreement(kind, "Of two near crossings one is lost.")
         found.append(replace(finer.placed(point), before=before, after=after, counted=True))
     return found
-
-
-def _passing(sample: Sample, which: int) -> int:
-    return 1 if sample.eigenvalues[which].imag == 0.0 else 2
 
 
 def _touches(segment: Segment, which: int, theta: float) -> bool:
@@ -206,15 +203,10 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
         if not all(sample.rates[which] * way > 0.0 for sample, way in asked):
             continue
         da, db = a.rates[which] * length, b.rates[which] * length
-        curve = float(ma[which]), float(mb[which]), da, db, sign
-        lowest = min(_cubic_extremum(*curve), _corner(*curve))
+        curve = float(ma[which]), float(mb[which]), da, db
+        lowest = min(float((sign * (np.array(curve) @ HERMITE)).min()), _corner(*curve, sign))
         if lowest < NEAR_ZERO * min(abs(ma[which]), abs(mb[which])):
             yield which
-
-
-def _cubic_extremum(ma: float, mb: float, da: float, db: float, sign: float) -> float:
-    """Least value of sign * (cubic Hermite interpolation) on 0..1."""
-    return float((sign * (np.array([ma, mb, da, db]) @ HERMITE)).min())
 
 
 def _corner(ma: float, mb: float, da: float, db: float, sign: float) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.numerics.linear import EPSILON, Factored, bordered_by, critical_pair, deficiency
+from contwalk.numerics.linear import EPSILON, Factored, bordered_by, critical_pair, deficiency, norm_in
 from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.equilibrium.defining_systems import dot, solve
@@ -123,9 +123,12 @@ def branch_point(problem: EquilibriumEquations, sample: Sample) -> Located | Non
     left = critical_pair(there[:, : problem.size], problem.errors_of_matrix(sample.z)).left.real
     # Along a vertical branch F_u is singular everywhere, and beside a fold for another reason: DF tells.
     located = None if sample.still else _branch_point_from(problem, sample, left)
-    if located is not None:
-        return located
-    return _branch_point_from(problem, sample, deficiency(there, sample.weights).left)
+    # Farther off errors tell little of which direction is critical: an entry that is small is known as well.
+    other = _branch_point_from(problem, sample, deficiency(there, sample.weights).left)
+    if located is None or other is None:
+        return located or other
+    away, nearer = (norm_in(found.z - sample.z, sample.weights) for found in (located, other))
+    return other if nearer < 0.5 * away else located
 
 
 def _branch_point_from(problem: EquilibriumEquations, sample: Sample, left: np.ndarray) -> Located | None:
