@@ -178,7 +178,8 @@ def _located(
             if found is not None:
                 return found
         change = abs(around[left] - around[right])
-        if right - left < NARROW and change > JUMPS * max(abs(first), abs(last)):
+        # One that is rounded has no sign: to another one within that it is no jump.
+        if right - left < NARROW and change > max(JUMPS * max(abs(first), abs(last)), 2.0 * ROUNDED):
             raise _Jumps
         return None
 
