@@ -40,7 +40,7 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     ends: list[Placed] = [(0.0, segment.a), *[(f.theta, f.sample) for f in branch_points], (1.0, segment.b)]
     knots: list[float] = [0.0, 1.0]
     touching: list[Found] = []
-    for low, high, which in _extrema(segment, ends, knots):
+    for low, high, which in _dips(segment, ends, knots):
         theta, passes = _extremum(segment, which, low, high)
         pair = _close_pair(segment, which, theta)
         if pair is not None:
@@ -54,9 +54,7 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     return sorted(set(knots)), touching
 
 
-def _extrema(
-    segment: Segment, ends: list[Placed], knots: list[float]
-) -> Iterator[tuple[Placed, Placed, int]]:
+def _dips(segment: Segment, ends: list[Placed], knots: list[float]) -> Iterator[tuple[Placed, Placed, int]]:
     """Solutions between which a measure of a number may have an extremum beyond zero; `knots` gets peaks.
 
     Where two eigenvalues meet, their measures are smooth from there on: what is looked at there is as well.

@@ -49,7 +49,7 @@ def counts_at(sample: Sample, located: bool = False, crossing: float = 0.0) -> r
     """How many eigenvalues may be unstable beside a solution: those that vanish there may, on either side.
 
     Where they are `crossing`, that far behind the point or before it, what is critical is the measure, and
-    rates tell how many are unstable.
+    rates tell how many are unstable. On steps that see nothing critical at the point nothing is told.
 
     At a special point that is `located` on steps the nearest one does, whatever it is there: along a canard a
     fold that is known to 1e-13 has a multiplier that is 2e-6 from one.
@@ -60,6 +60,8 @@ def counts_at(sample: Sample, located: bool = False, crossing: float = 0.0) -> r
     rounding = 100.0 * np.maximum(sample.errors, known or 0.0) + 1e-9 * sizes.max(initial=0.0)
     vanish = sizes <= np.maximum(rounding, sizes.min(initial=np.inf) if located else 0.0)
     low, doubtful = int(np.count_nonzero((sample.measures > 0.0) & ~vanish)), int(np.count_nonzero(vanish))
+    if crossing and not doubtful:
+        return range(len(values) + 1)
     if crossing and not sample.rates.dear:
         moved = crossing * np.array([sample.rates[int(k)] for k in np.flatnonzero(vanish)])
         moves = np.abs(moved) > rounding[vanish]

@@ -41,6 +41,7 @@ def test_a_multiplier_that_changes_sides_unseen_asks_for_a_shorter_step(label) -
         a=a,
         b=b,
         length=1.0,
+        places=[0.0, 1.0],
         at=lambda theta: _with_multiplier(5e9 - 8e9 * theta, 1.0, 1e-3),
     )
     with pytest.raises(Disagreement, match="beyond 1 to beyond -1"):
