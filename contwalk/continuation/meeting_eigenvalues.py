@@ -104,12 +104,12 @@ def _followed(a: Sample, b: Sample, length: float) -> tuple[_End, _End] | None:
         # That end's rates are those that extrema are looked for by.
         turned = float(np.abs(b.measures).min()) < float(np.abs(a.measures).min())
         near, far, way = (b, a, -1.0) if turned else (a, b, 1.0)
-        plain = near.measures == near.beyond(near.eigenvalues)
-        there = _end(near, np.flatnonzero(plain), way * length)
-        if there is None or not len(which := _meeting(there)):
+        there = _end(near, np.flatnonzero(near.measures == near.beyond(near.eigenvalues)), length)
+        if there is None or not len(which := _meeting(there, way)):
             return None
-        others = _same(there.values[which], far.eigenvalues, np.zeros(len(which)), np.zeros(1))
-        ends = _end(near, np.flatnonzero(plain)[which], length), _end(far, others, length)
+        own = _End(*(each[which] for each in there))
+        others = _same(own.values, far.eigenvalues, np.zeros(len(which)), np.zeros(1))
+        ends = own, _end(far, others, length)
         ends = ends[::-1] if turned else ends
     return None if ends[0] is None or ends[1] is None else (ends[0], ends[1])
 
@@ -123,14 +123,16 @@ def _end(sample: Sample, which: np.ndarray, length: float) -> _End | None:
     return _End(sample.eigenvalues[which], moved, sample.measures[which], sample.errors[which])
 
 
-def _meeting(end: _End) -> np.ndarray:
-    """Which eigenvalues run into others within the step, as values and rates at its beginning tell.
+def _meeting(end: _End, way: float) -> np.ndarray:
+    """Which eigenvalues run into others within the step, as values and rates at one of its ends tell.
+
+    The way into the step is 1 from its beginning, -1 from its end.
 
     Of two that leave at a right angle the difference is a root: it goes twice as fast as it does at first.
     """
     first, second = np.triu_indices(len(end.values), 1)
     apart, closing = (each[first] - each[second] for each in (end.values, end.moved))
-    meet = ((apart * np.conj(closing)).real < 0.0) & (np.abs(apart) < 2.0 * np.abs(closing))
+    meet = (way * (apart * np.conj(closing)).real < 0.0) & (np.abs(apart) < 2.0 * np.abs(closing))
     return np.unique([first[meet], second[meet]])
 
 
