@@ -14,7 +14,7 @@ import numpy as np
 from contwalk.errors import UnsupportedOperation
 from contwalk.memory import computed_once
 from contwalk.numerics.linear import EPSILON
-from contwalk.problems.orbit.extrema import PARTS, turns
+from contwalk.problems.orbit.extrema import PARTS, cubics_at, turns
 from contwalk.problems.orbit.layout import Segment
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
@@ -161,10 +161,30 @@ class GuardedView(LegView):
         states = self.at(at)
         at_rest = np.zeros_like(states)  # the guards' rates are not asked for
         values = self._watched(at, states, at_rest)[np.arange(len(at)), 2 * which]
+        if np.any(np.abs(values - cubics_at(at, brackets[2:])) > np.abs(values)):
+            self._nearer(at, values, which, np.stack(brackets[2:]))
         entries = zip(after.tolist(), at.tolist(), values.tolist(), before.tolist(), strict=True)
         for number, entry in zip(which.tolist(), entries, strict=True):
             found[number].append(entry)
         return found
+
+    def _nearer(self, at: np.ndarray, values: np.ndarray, which: np.ndarray, ends: np.ndarray) -> None:
+        """Turns of some guards again, nearer by, where what a value is off its cubic hides its sign.
+
+        Instants, values and numbers of guards have the shape (k,); `ends`, the times, values and rates before
+        and behind, (6, k). Instants and values are replaced in place.
+        """
+        own, rounding = np.arange(len(at)), EPSILON * np.abs(ends[2:4]).max(axis=0)
+        for _ in range(np.finfo(float).nmant):  # a guard with a kink halves its bracket at the best
+            off = np.abs(values[own] - cubics_at(at[own], ends[:, own]))
+            own = own[off > np.maximum(np.abs(values[own]), rounding[own])]
+            if not len(own):
+                return
+            rates = self._watched(at[own], self.at(at[own]))[np.arange(len(own)), 2 * which[own] + 1]
+            side = np.where(rates * ends[4, own] > 0.0, 0, 1)
+            ends[side, own], ends[2 + side, own], ends[4 + side, own] = at[own], values[own], rates
+            at[own] = turns(*ends[:, own])
+            values[own] = self._watched(at[own], self.at(at[own]))[np.arange(len(own)), 2 * which[own]]
 
     @computed_once
     def conditions(self) -> dict[str, float]:

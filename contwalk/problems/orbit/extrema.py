@@ -82,7 +82,7 @@ def extremes_of(stretches: Sequence[Smooth], own: Sequence[np.ndarray]) -> tuple
     brackets = [stretch.brackets(which) for stretch, which in zip(stretches, own, strict=True)]
     j, a, b, va, vb, ra, rb = (np.concatenate(parts) for parts in zip(*brackets, strict=True))
     near, bend = turns(a, b, va, vb, ra, rb), (rb - ra) / (b - a)
-    cubic = _cubic((near - a) / (b - a), b - a, va, vb, ra, rb)
+    cubic = cubics_at(near, (a, b, va, vb, ra, rb))
     slack = BELOW * (high - low)[j]
     wanted = np.where(ra > 0.0, cubic >= high[j] - slack, cubic <= low[j] + slack)
     ends = np.cumsum([len(found[0]) for found in brackets])
@@ -131,12 +131,15 @@ def turns(
     return a + h * np.minimum(np.maximum(between, 0.0), 1.0)
 
 
-def _cubic(
-    s: np.ndarray, h: np.ndarray, va: np.ndarray, vb: np.ndarray, ra: np.ndarray, rb: np.ndarray
-) -> np.ndarray:
-    """Hermite's cubic through two values with their rates, a step h apart, at shares s of it."""
-    d, a, b = vb - va, h * ra, h * rb
-    return va + s * (a + s * (3.0 * d - 2.0 * a - b + s * (a + b - 2.0 * d)))
+def cubics_at(t: np.ndarray, ends: Sequence[np.ndarray]) -> np.ndarray:
+    """The cubics through two values with their rates, at instants between them, shape (k,).
+
+    `ends` are times, values and rates, before and behind each, as `turns` takes them.
+    """
+    a, b, va, vb, ra, rb = ends
+    h, d = b - a, vb - va
+    s, first, last = (t - a) / h, h * ra, h * rb
+    return va + s * (first + s * (3.0 * d - 2.0 * first - last + s * (first + last - 2.0 * d)))
 
 
 def with_extrema(
