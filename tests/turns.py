@@ -1,9 +1,9 @@
-"""Costly tests take turns: of each two that cost about the same, a run tries one, the next run the other.
+"""Costly tests take turns: of each three that cost about the same, a run tries one, and three runs try all.
 
-`turns.txt` names them, slow ones first, the most costly of each first; `tools/durations.py` writes it. An odd
-draw tries the first, third, fifth, an even one the others, `CONTWALK_TEST_DRAW=all` all of them. What waits
-is marked `long`. `.ci/run` draws by the number of commits, so that each is tried at every other one; what
-stands in `quick.txt` never waits.
+`turns.txt` names them, slow ones first, the most costly of each first; `tools/durations.py` writes it. Draw 1
+tries the first, fourth, seventh, draw 2 the second, fifth, eighth, and so on; `CONTWALK_TEST_DRAW=all` tries
+all of them. What waits is marked `long`. `.ci/run` draws by the number of commits, so that each is tried at
+every third one; what stands in `quick.txt` never waits.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ import pytest
 
 HERE = Path(__file__).parent
 EVERYTHING = "all"
+# So many runs try all of them.
+DRAWS = 3
 
 
 def listed(path: Path) -> list[str]:
@@ -30,10 +32,10 @@ def table() -> dict[str, int]:
 
 
 def turn_of(seed: str) -> int | None:
-    """Which of two is tried, 0 or 1; None where all are."""
+    """Which of three is tried, from 0 on; None where all are."""
     if seed == EVERYTHING:
         return None
-    return (int(seed) if seed.isdigit() else zlib.crc32(seed.encode())) % 2
+    return (int(seed) if seed.isdigit() else zlib.crc32(seed.encode())) % DRAWS
 
 
 def wait_for_their_turn(items: Sequence[pytest.Item], seed: str, known: Mapping[str, int]) -> None:
@@ -43,7 +45,7 @@ def wait_for_their_turn(items: Sequence[pytest.Item], seed: str, known: Mapping[
         return
     for item in items:
         place = known.get(item.nodeid.partition("[")[0])
-        if place is not None and (place + 1) % 2 != turn:
+        if place is not None and (place + 1) % DRAWS != turn:
             item.add_marker(pytest.mark.long)
 
 

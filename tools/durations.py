@@ -55,7 +55,7 @@ def written(reports: Iterable[Path], root: Path = ROOT) -> str:
 def costly(reports: Iterable[Path], root: Path = ROOT) -> str:
     """The list of tests that take turns, by their nodes without parameters.
 
-    Report by report, so that each part of the suite is halved, and the most costly of each first.
+    Report by report, so that each part of the suite is divided, and the most costly of each first.
     """
     text, known = TURNS, set[str]()
     for report in reports:
