@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.branch_in_progress import Stored
-from contwalk.continuation.events import Event, Found
+from contwalk.diagram.branch_in_progress import Stored
+from contwalk.diagram.events import Event, Found
 
 
 def bits(branch: Branch) -> bytes:

@@ -9,10 +9,10 @@ import numpy as np
 
 import contwalk as cw
 from contwalk.branch import Branch, Outcome, SpecialPoint
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Mark, Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
+from contwalk.diagram.opening import Opening
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Mode, Parameter, State, System, Transition

@@ -22,7 +22,7 @@ from contwalk.workflow.runner import Reporter
 
 ROOT = Path(contwalk.__file__).parent
 # What computes; storage, studies and what users see may grow by what they give.
-CORE = ("continuation", "problems", "flow", "fields", "numerics")
+CORE = ("continuation", "diagram", "problems", "flow", "fields", "numerics")
 
 # Names bound to numbers in modules; lines of the core but comments, docstrings, blanks and imports.
 CONSTANTS, CORE_LINES = 1212, 37320

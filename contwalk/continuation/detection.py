@@ -15,24 +15,34 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from contwalk.continuation.along import at_the_turn, located_along
 from contwalk.continuation.double_crossings import Hidden, knots_of
-from contwalk.continuation.flat_folds import doubt, flat_fold
-from contwalk.continuation.folds_with_pairs import counts_at, split, with_its_pair
+from contwalk.continuation.folds import (
+    FLAT,
+    at_the_turn,
+    counts_at,
+    doubt,
+    flat_fold,
+    multipliers_tell,
+    only_noise,
+    share_of,
+    split,
+    with_its_pair,
+)
 from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair
 from contwalk.continuation.locating import (
     SAME_POINT,
     Disagreement,
     Found,
+    Subsegment,
     accepted,
     first_accepted,
     locate,
     locate_multiple,
+    located_along,
+    on_finest_steps,
 )
-from contwalk.continuation.on_finest_steps import Subsegment, on_finest_steps
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.singularity import singularity
-from contwalk.continuation.turns import FLAT, multipliers_tell, only_noise, share_of
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Located, Sample, Test
 

@@ -12,12 +12,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.halving import NEAR_ZERO, Placed
+from contwalk.continuation.eigenvalues_between import PLACES, peaks
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
-from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
-from contwalk.continuation.meeting_eigenvalues import PLACES, peaks
-from contwalk.continuation.on_finest_steps import on_finest_steps
-from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple, on_finest_steps
+from contwalk.continuation.segment import NEAR_ZERO, LostBranch, Placed, Segment
 from contwalk.numerics import cubic
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Sample, Test
@@ -221,8 +219,7 @@ def _extremum(
     least = low
 
     def rate(sample: Sample) -> float:
-        value = sample.rates[which]
-        return value if np.isfinite(value) else 0.0
+        return float(np.nan_to_num(sample.rates[which], posinf=0.0, neginf=0.0))
 
     def attempt(theta: float, left: float, right: float) -> float | None:
         nonlocal least

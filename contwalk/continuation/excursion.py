@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from contwalk.continuation import control, outcomes
+from contwalk.continuation.attempt import predict
 from contwalk.continuation.correction import Correction
 from contwalk.continuation.newton import correct
-from contwalk.continuation.prediction import predict
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.numerics.hermite_curve import HermiteCurve

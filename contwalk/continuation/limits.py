@@ -2,24 +2,24 @@
 
 A problem tells a margin for each of its limits; a sign change brackets the point, and the limit's own
 equations locate it. Margins may begin and cease to exist between two solutions (a guard gets another
-minimum); such a jump is no passage through zero, and no special point.
+minimum); such a jump is no passage through zero, and no special point. One that passes zero and comes back is
+least in between.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.dips import dips
-from contwalk.continuation.locating import Disagreement, Found, accepted
-from contwalk.continuation.on_finest_steps import Subsegment
-from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.continuation.locating import Disagreement, Found, Subsegment, accepted
+from contwalk.continuation.segment import NEAR_ZERO, LostBranch, Placed, Segment, looked_for
+from contwalk.numerics import cubic
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.located import CROSSING
-from contwalk.problems.problem import Limit, Located, Problem
+from contwalk.problems.problem import Limit, Located, Problem, Sample
 
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
@@ -38,6 +38,8 @@ SAME_PLACE = 1e-6
 IN_DOUBT = 1e-3
 # It has gone there steadily, and not jumped, if half way it is this near to the mean.
 STEADY = 0.25
+# Displacement along the branch, in the metric, for the rate of a margin: the root of what it is known to.
+ASIDE = 1e-4
 
 
 def passed(segment: Segment, begins: bool) -> list[Found]:
@@ -264,3 +266,58 @@ def up_to(problem: Problem, found: list[Found], end: Found, events: Mapping[str,
         if point.theta <= end.theta + SAME_PLACE and policy(problem, point.located, events) == "ignore"
     ]
     return [*before, end]
+
+
+def dips(segment: Segment, rounded: float) -> Iterator[float]:
+    """Places at which a margin has another sign than at both ends, by more than what is `rounded` of it.
+
+    One that is larger than the step is long would have to change faster than anything that is watched.
+
+    Raises
+    ------
+    LostBranch
+        If a solution there cannot be computed.
+    """
+    a, b = segment.a.margins, segment.b.margins
+    if len(a) != len(b) or segment.problem.limited is None:
+        return
+    with np.errstate(invalid="ignore"):
+        near = (a * b > 0.0) & (np.minimum(np.abs(a), np.abs(b)) < segment.length)
+    for which in np.flatnonzero(near).tolist():
+        place = next(_passing(segment, which, float(np.sign(a[which])), rounded), None)
+        if place is not None:
+            yield place
+
+
+def _passing(segment: Segment, which: int, sign: float, rounded: float) -> Iterator[float]:
+    """Places at which a margin that has a sign at both ends of a segment has the other one."""
+
+    def place(low: Placed, high: Placed) -> float | None:
+        """Where the cubic of a margin is least, if it falls at the one end and grows at the other."""
+        values = [sign * float(sample.margins[which]) for _, sample in (low, high)]
+        if not min(values) > 0.0:
+            return None
+        rates = []
+        for (_, sample), falls in ((low, True), (high, False)):  # the second has its price as well
+            rate = sign * (high[0] - low[0]) * segment.length * _rate(segment, sample, which)
+            if not (rate < 0.0 if falls else rate > 0.0):
+                return None
+            rates.append(rate)
+        given = np.array([[*values, *rates]])
+        places = cubic.turns(given)
+        least = (given @ cubic.weights(places[0]))[0]
+        at = int(np.argmin(least))
+        return float(places[0, at]) if least[at] < NEAR_ZERO * min(values) else None
+
+    def passes(sample: Sample) -> bool:
+        return sign * float(sample.margins[which]) < -rounded
+
+    return looked_for(segment, (0.0, segment.a), (1.0, segment.b), place, passes)
+
+
+def _rate(segment: Segment, sample: Sample, which: int) -> float:
+    """Derivative of a margin by arclength; NaN where it has no value beside a solution."""
+    limited = segment.problem.limited
+    assert limited is not None
+    beside = limited.margins(sample.z + ASIDE * sample.tangent, sample.weights)
+    return float(beside[which] - sample.margins[which]) / ASIDE

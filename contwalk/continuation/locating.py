@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.continuation.kinds import kinds_of_test
-from contwalk.continuation.segment import Segment
+from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test
+from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
-from contwalk.numerics.bracketing import narrow
+from contwalk.numerics.bracketing import NARROW, narrow, zero_of
 from contwalk.numerics.linear import norm_in
-from contwalk.problems.problem import Located, PointType, Sample, Test
+from contwalk.problems.problem import Located, PointType, Sample, Test, finest
 
 # Of two points that are one, in the metric, beside what a mesh blurs.
 SAME_POINT = 1e-6
@@ -26,6 +26,10 @@ WELL_BEYOND = 10.0
 LOCATION_TOLERANCE = 1e-6
 # What the ends of a segment are known to blurs as well, up to this part of the segment.
 DOUBTED = 1e-2
+# On the finest steps a position is looked at so far to both sides, in parts of the segment.
+NEIGHBOURHOOD = 0.02
+# The function may be off by so many times what eigenvalues away from the point are not known to.
+KNOWN = 10.0
 
 
 @dataclass(frozen=True)
@@ -215,3 +219,89 @@ def sample_at(segment: Segment, kind: PointType, located: Located, near: Sample)
     elif segment.normal @ tangent < 0:
         tangent = -tangent
     return problem.examine(located.z, tangent, segment.weights, linearization, near.unstable)
+
+
+def located_along(segment: Segment, kind: PointType, low: float, high: float, which: int) -> Found | None:
+    """The point of a kind between two positions, on the finest steps that there are, if there is one."""
+    theta = _zero(segment, kind, low, high)
+    if theta is None:
+        return None
+    try:
+        finer = on_finest_steps(segment, theta, which, low, high)
+    except Disagreement:
+        finer = None
+    around, ends = (Subsegment(segment, (0.0, 1.0)), (low, high)) if finer is None else (finer, (0.0, 1.0))
+    part = around.part
+    position = theta if finer is None else _zero(part, kind, *ends)
+    if position is None:
+        return None
+    sample = part.at(position)
+    first, last = (kind.value(part.problem, part.at(end)) for end in ends)
+    slope = (last - first) / (ends[1] - ends[0])
+    blur = max(_blur(kind, part, part.at(end)) for end in ends) / max(abs(slope), 1e-300) + NARROW
+    error = blur * abs(float(part.chord[-1])) + sample.error * float(sample.weights[-1])
+    located = Located(
+        sample.z, max(error, float(np.spacing(abs(sample.parameter)))), {"which": which}, problem=part.problem
+    )
+    return around.placed(Found(position, kind, located, sample))
+
+
+def _zero(segment: Segment, kind: PointType, low: float, high: float) -> float | None:
+    """Where the function of a kind passes zero, to rounding."""
+    return zero_of(lambda theta: kind.value(segment.problem, segment.at(theta)), low, high)
+
+
+@dataclass(frozen=True)
+class Subsegment:
+    """What lies between two positions of a segment, on steps of its own."""
+
+    part: Segment
+    sides: tuple[float, float]
+
+    def placed(self, point: Found) -> Found:
+        """A point of the part by its position on the whole segment."""
+        low, high = self.sides
+        return replace(point, theta=low + point.theta * (high - low))
+
+
+def on_finest_steps(
+    segment: Segment, theta: float, which: int, low: float = 0.0, high: float = 1.0
+) -> Subsegment | None:
+    """What is around a position between two others, on the finest steps.
+
+    None where the problem has none, or the branch is lost.
+
+    Parameters
+    ----------
+    which : int
+        The stability measure that is in doubt there.
+
+    Raises
+    ------
+    Disagreement
+        If the equations have no value on them.
+    """
+    sample = segment.at(theta)
+    try:
+        problem = finest(segment.problem, sample.z, segment.weights)
+    except NotFinite as error:
+        kind = crossed(segment.problem, sample, which) or kind_of_test(segment.problem, Test.ORIENTATION)
+        raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
+    if problem is None:
+        return None
+    sides = max(theta - NEIGHBOURHOOD, low), min(theta + NEIGHBOURHOOD, high)
+    try:
+        a, b = (segment.on(problem, side) for side in sides)
+    except LostBranch:
+        return None
+    return Subsegment(Segment(problem, a, b), sides)
+
+
+def _blur(kind: PointType, segment: Segment, sample: Sample) -> float:
+    """What the function is not known to, by what eigenvalues are not known to away from the point.
+
+    These are off by that of the function over its root.
+    """
+    off = float(sample.errors.max(initial=0.0)) if sample.spectrum_error is None else sample.spectrum_error
+    size = float(np.abs(sample.eigenvalues).max(initial=1e-300))
+    return KNOWN * off / size * float(np.sqrt(abs(kind.value(segment.problem, sample))))

@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk import quantities
+from contwalk.continuation.eigenvalues_between import has_kink
 from contwalk.continuation.kinds import kind_of_test
-from contwalk.continuation.leading_eigenvalues import has_kink
 from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import LostBranch, Segment

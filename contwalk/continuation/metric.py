@@ -7,12 +7,21 @@ import math
 import numpy as np
 
 from contwalk.continuation.settings import Settings
-from contwalk.problems.problem import Problem
+from contwalk.numerics.linear import Factored, kernel_direction, norm_in
+from contwalk.problems.problem import Linearization, Problem, Sample
 
 # Stands in for a magnitude that neither the unknown nor the equations tell yet.
 UNKNOWN = 1.0
 # So many unknowns are counted whole: those of a mechanism, each with a meaning of its own.
 CROWD = 10
+# Unknowns this many times their own error, or less, are zero.
+NOISE = 1e3
+# Harmonics up to this one are told by the power of the amplitude that they grow with.
+MOST_POWER = 12.0
+# A solution without its noise is one if its residuals are this many times their rounding, as of any solution.
+ROUNDED = 20.0
+# What an unknown moves by is rounding noise of zero below this part of what it may be.
+_NOTHING = 1e-13
 
 
 def updated(
@@ -70,3 +79,83 @@ def parameter_weight(magnitude: float, ends: tuple[float, float], value: float) 
     if low * high <= 0.0:
         size = max(size, width / 100.0)
     return min(max(size, width * 1e-12), width)
+
+
+def initial_magnitudes(
+    problem: Problem, z: np.ndarray, linearization: Linearization, parameter_weight: float
+) -> np.ndarray:
+    """Typical magnitudes at a start, shape (N + 1,), NaN where nothing tells.
+
+    Beside what solution and equations tell, an unknown that does not tell its own is given how far it moves
+    while the parameter changes by its weight, or an unknown that is not zero by its own size.
+    """
+    clean = _without_noise(problem, z, linearization)
+    magnitudes = clean.magnitudes
+    sized = np.abs(z) >= 0.5 * np.nan_to_num(magnitudes)
+    sized &= np.isfinite(magnitudes) & (magnitudes > 0.0)
+    known = np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
+    known[-1] = parameter_weight
+    tangent = np.abs(kernel_direction(linearization.jacobian, known))
+    sized[-1] = True
+    # A parameter that stands still along a curve moves by rounding: others would be told endlessly far.
+    moving = sized & (tangent > _NOTHING * known * float(np.max(tangent / known)))
+    if not np.any(moving):
+        return magnitudes
+    moved = tangent * float(np.min(known[moving] / tangent[moving]))
+    moved[moved < _NOTHING * known] = 0.0
+    further = ~sized & (moved > 0.0)
+    return np.where(further, np.fmax(magnitudes, moved), magnitudes)
+
+
+def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray, origin: Sample) -> np.ndarray:
+    """Typical magnitudes where some were not known at the last point, shape (N + 1,), NaN where still so.
+
+    One that begins to move is scaled by how far it moves with the others, not by how little it has moved yet.
+    `origin` is where the walk began.
+    """
+    z = np.where(np.abs(sample.z) <= _NOTHING * weights, 0.0, sample.z)
+    if problem.line.second is None:  # of two free parameters each is an unknown
+        z[-1] = sample.parameter
+    known = problem.linearize(z).magnitudes
+    powers = _by_power(sample, origin, weights)
+    moved = np.fmax(np.abs(sample.tangent), powers)
+    # A declared scale may be one as well; it stays what it is.
+    begins = (z != 0.0) & (moved > _NOTHING * weights) | np.isfinite(powers)
+    begins &= known != UNKNOWN
+    return np.where(begins, np.fmax(np.abs(z), moved), known)
+
+
+def _by_power(sample: Sample, origin: Sample, weights: np.ndarray) -> np.ndarray:
+    """How far each unknown moves over the arclength 1, as the power of it that it has moved by so far.
+
+    Beside a branch point a harmonic grows like a power of the amplitude. In units of how little that is the
+    others' way would be endless. NaN where no power tells, shape (N + 1,).
+    """
+    gone = sample.z - origin.z
+    far = norm_in(gone, weights)
+    powers = np.full(len(gone), np.nan)
+    moves = (gone != 0.0) & (origin.z == 0.0)
+    if not 0.0 < far < 1.0:
+        return powers
+    powers[moves] = far * sample.tangent[moves] / gone[moves]
+    powers[~((powers > 1.0) & (powers <= MOST_POWER))] = np.nan
+    moved: np.ndarray = np.abs(gone) * far**-powers
+    return moved
+
+
+def _without_noise(problem: Problem, z: np.ndarray, linearization: Linearization) -> Linearization:
+    """The equations at z, or where unknowns that are zero but for their error are exactly zero."""
+    level = linearization.levels[0]
+    square = linearization.jacobian[:, :-1]
+    try:
+        inverse = Factored(square).solve(np.eye(len(square)))
+    except np.linalg.LinAlgError:  # a fold or a branch point
+        return linearization
+    error = np.append(np.abs(inverse) @ level, 0.0)
+    noisy = (np.abs(z) <= NOISE * error) & (z != 0.0)
+    if not np.any(noisy):
+        return linearization
+    clean = problem.linearize(np.where(noisy, 0.0, z))
+    if not clean.finite or clean.excess > max(ROUNDED, linearization.excess):
+        return linearization
+    return clean

@@ -11,13 +11,13 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
 from contwalk.continuation.allowance import Allowance
-from contwalk.continuation.closing import place_of_closure
+from contwalk.continuation.ends import Crowd
 from contwalk.continuation.excursion import reentered
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.records import end_record, found_record
+from contwalk.continuation.returns import place_of_closure
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.stagnation import Crowd
 from contwalk.continuation.state import ContinuationState, adapted, grown
 from contwalk.continuation.step import Step, take_step
 from contwalk.errors import ContwalkError, NotFinite

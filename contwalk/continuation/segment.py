@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,12 @@ from contwalk.problems.problem import Linearization, Problem, Sample
 # Near a branch point solutions are known to rounding over their distance from it, and along a branch that
 # turns there eigenvalues move by its square: at this distance, in the metric, that is far more.
 APART = 1e-4
+# An extremum is looked at when it comes this much nearer to zero than the ends.
+NEAR_ZERO = 0.5
+# How often a part is halved: a cubic of values and rates at its ends is 16 times as good each time.
+HALVINGS = 6
+# A solution and its position on a segment.
+Placed = tuple[float, Sample]
 
 
 class LostBranch(Exception):
@@ -122,3 +129,35 @@ class Segment(HermiteCurve):
         known = self._known.get(theta)
         there = self._corrected(self.problem, self.guess(theta))[0].z if known is None else known.z
         return norm_in(there - z, self.weights) / max(self.length, 1e-300)
+
+
+def looked_for(
+    segment: Segment,
+    low: Placed,
+    high: Placed,
+    place: Callable[[Placed, Placed], float | None],
+    found: Callable[[Sample], bool],
+    halvings: int = HALVINGS,
+) -> Iterator[float]:
+    """Positions between two solutions at which something is `found`.
+
+    Parameters
+    ----------
+    place : callable
+        Where between two solutions it may be, in parts of what lies between them; None where it cannot be.
+
+    Raises
+    ------
+    LostBranch
+        If a solution there cannot be computed.
+    """
+    share = place(low, high) if halvings else None
+    if share is None:
+        return
+    theta = low[0] + share * (high[0] - low[0])
+    middle = theta, segment.at(theta)
+    if found(middle[1]):
+        yield theta
+        return
+    yield from looked_for(segment, low, middle, place, found, halvings - 1)
+    yield from looked_for(segment, middle, high, place, found, halvings - 1)

@@ -8,8 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.continuation.correction import Correction
-from contwalk.continuation.initial_scales import initial_magnitudes, later_magnitudes
-from contwalk.continuation.metric import UNKNOWN, crowded, parameter_weight, updated
+from contwalk.continuation.metric import (
+    UNKNOWN,
+    crowded,
+    initial_magnitudes,
+    later_magnitudes,
+    parameter_weight,
+    updated,
+)
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite

@@ -8,20 +8,25 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, kinks_passed, limits, outcomes
-from contwalk.continuation.attempt import Attempt, Refusal, attempt
-from contwalk.continuation.back_at_parent import WentOver, back_at_parent
+from contwalk.continuation.attempt import (
+    Attempt,
+    Prediction,
+    Refusal,
+    attempt,
+    nearest_bound,
+    towards_a_bound,
+)
 from contwalk.continuation.correction import Explanation, text_of
-from contwalk.continuation.counts import with_counts
 from contwalk.continuation.detection import at_the_end
-from contwalk.continuation.ends_in_reach import edge_reached, end_ahead, up_to_end
+from contwalk.continuation.ends import edge_reached, end_ahead, up_to_end
+from contwalk.continuation.folds import at_branch_point
 from contwalk.continuation.locating import SAME_POINT, WELL_BEYOND, Disagreement, Found, TooLong
 from contwalk.continuation.marks import Observer
-from contwalk.continuation.points_before_limits import COINCIDE, everything, everything_before
-from contwalk.continuation.prediction import Prediction, nearest_bound, towards_a_bound
+from contwalk.continuation.returns import WentOver, back_at_parent
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.special_points import COINCIDE, everything, everything_before, with_counts
 from contwalk.continuation.state import ContinuationState
-from contwalk.continuation.turns import at_branch_point
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Located, Problem, Sample, Test

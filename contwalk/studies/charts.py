@@ -15,11 +15,11 @@ import numpy as np
 from contwalk.branch import Branch, Outcome
 from contwalk.chart import Chart, Region, Solution
 from contwalk.continuation import outcomes
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram
-from contwalk.continuation.events import Plan
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Mark, Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram
+from contwalk.diagram.events import Plan
 from contwalk.errors import ContwalkError
 from contwalk.labels import BORDERS, CROSSINGS, END, LOCUS, MARK, RANGES
 from contwalk.numerics.linear import kernel_direction

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.branch import ORBITS, Branch, SpecialPoint
+from contwalk.continuation.folds import NO_SHARE
 from contwalk.continuation.kinds import kind_of
-from contwalk.continuation.turns import NO_SHARE
 from contwalk.errors import ContwalkError
 from contwalk.problems.problem import Located, PointType, Problem, Sample, Test
 from contwalk.special_point import allowed_error

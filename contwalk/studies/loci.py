@@ -9,15 +9,15 @@ import numpy as np
 
 from contwalk.branch import ORBITS, Branch, Outcome, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram
-from contwalk.continuation.events import Plan
 from contwalk.continuation.metric import parameter_weight
 from contwalk.continuation.newton import correct
-from contwalk.continuation.opening import Opening
-from contwalk.continuation.reopening import stored_place
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram
+from contwalk.diagram.events import Plan
+from contwalk.diagram.opening import Opening
+from contwalk.diagram.reopening import stored_place
 from contwalk.errors import StartError
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.locus.persistence import not_persistent

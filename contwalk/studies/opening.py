@@ -10,9 +10,9 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.newton import correct
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram.opening import Opening
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium.equilibrium import Equilibrium, pins_at, solution_at
 from contwalk.problems.equilibrium.held_by_force import forced

@@ -9,9 +9,9 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram.opening import Opening
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine

@@ -9,8 +9,8 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.opening import Opening
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.conserving import with_own_values
 from contwalk.problems.initial.recurrence import AtRest

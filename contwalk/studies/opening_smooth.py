@@ -8,9 +8,9 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram.opening import Opening
 from contwalk.problems.initial.orbit_from_state import orbit_at, symmetric
 from contwalk.problems.initial.recurrence import AtRest, recurrent
 from contwalk.problems.kink import refuse

@@ -11,9 +11,9 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import control, outcomes
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram.opening import Opening
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least_part import least
 from contwalk.problems.initial.orbit_from_state import orbit_at, symmetric

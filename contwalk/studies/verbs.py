@@ -11,15 +11,15 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import Branch, Outcome, SpecialPoint
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram
-from contwalk.continuation.events import Plan
 from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.marks import observer_of
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import Point, walk
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.continuation.state import begin, turned
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram
+from contwalk.diagram.events import Plan
+from contwalk.diagram.opening import Opening
 from contwalk.errors import StartError
 from contwalk.labels import MEANINGS
 from contwalk.numerics.threads import each_on_one_thread, one_thread

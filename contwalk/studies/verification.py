@@ -18,7 +18,7 @@ from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation import outcomes
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.newton import correct
-from contwalk.continuation.reopening import reopened, stored_place
+from contwalk.diagram.reopening import reopened, stored_place
 from contwalk.errors import ContwalkError
 from contwalk.labels import END, LOCUS, MARK
 from contwalk.problems.orbit.discretization import TIGHTEST, Discretization

@@ -8,7 +8,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from contwalk.continuation.ahead import Message, Task
+from contwalk.diagram.ahead import Message, Task
 from contwalk.errors import ContwalkError
 from contwalk.workflow.study_text import StudyText
 from contwalk.workflow.walking_ahead import failed_elsewhere, walked

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import BranchInfo
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.opening import Opening
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.opening import Opening
 from contwalk.storage.database import Database, RunHeader
 from contwalk.workflow.file_names import output_of
 from contwalk.workflow.run_file.reading import RunFile

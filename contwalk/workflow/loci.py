@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.events import Plan
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.events import Plan
+from contwalk.diagram.opening import Opening
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.unbegun import unbegun

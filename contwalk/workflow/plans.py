@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Any
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.continuation.ahead import Task
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.events import Plan
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Mark, Settings
+from contwalk.diagram.ahead import Task
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.events import Plan
+from contwalk.diagram.opening import Opening
 from contwalk.problems.orbit.discretization import OF_ORBITS, Discretization, of_orbits
 from contwalk.problems.problem import Problem
 from contwalk.workflow.going_on import command_without_bound

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contwalk.continuation.ahead import Message, Task
+from contwalk.diagram.ahead import Message, Task
 from contwalk.workflow.study_text import StudyText
 
 

@@ -12,11 +12,11 @@ from typing import Any
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.ahead import Ahead
-from contwalk.continuation.branch_in_progress import Stored
-from contwalk.continuation.diagram import Diagram
-from contwalk.continuation.effort import LEFT_FOR_LATER
-from contwalk.continuation.events import Began, Cut, Dropped, Ended, Event, Found, Noted
+from contwalk.diagram.ahead import Ahead
+from contwalk.diagram.branch_in_progress import Stored
+from contwalk.diagram.diagram import Diagram
+from contwalk.diagram.effort import LEFT_FOR_LATER
+from contwalk.diagram.events import Began, Cut, Dropped, Ended, Event, Found, Noted
 from contwalk.errors import DatabaseError
 from contwalk.numerics.threads import one_thread
 from contwalk.special_point import allowed_error

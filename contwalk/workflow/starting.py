@@ -10,9 +10,9 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.opening import Opening
 from contwalk.errors import DatabaseError, StartError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.studies.opening import opened

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.continuation.ahead import NAMELESS, Message, Task, messages_of
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.branch_walk import BranchWalk
-from contwalk.continuation.growing import grown
+from contwalk.diagram.ahead import NAMELESS, Message, Task, messages_of
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.branch_walk import BranchWalk
+from contwalk.diagram.growing import grown
 from contwalk.memory import remembered
 from contwalk.numerics.threads import one_thread
 from contwalk.workflow.plans import all_places, coverage_of, start_at, studies_of

@@ -16,7 +16,7 @@ import traceback
 from collections.abc import Iterator
 from typing import BinaryIO
 
-from contwalk.continuation.ahead import Task
+from contwalk.diagram.ahead import Task
 from contwalk.numerics.threads import one_thread
 from contwalk.workflow.process_end import end_process, refuse_exit
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk

@@ -17,7 +17,7 @@ from itertools import islice
 from typing import Any
 
 from contwalk.branch import Outcome
-from contwalk.continuation.ahead import Ends, Message, Task
+from contwalk.diagram.ahead import Ends, Message, Task
 from contwalk.workflow.interruptions import deaf
 from contwalk.workflow.machine import processors
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk

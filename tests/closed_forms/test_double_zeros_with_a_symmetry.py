@@ -11,9 +11,9 @@ import pytest
 from small_systems import labelled, small_system
 
 import contwalk as cw
-from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram.reopening import reopened
 
 RANGES = {"mu": (-1.0, 1.0), "nu": (-1.0, 1.0)}
 

@@ -13,9 +13,9 @@ import pytest
 
 import contwalk as cw
 from contwalk.branch import Branch
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
 from contwalk.problems.equilibrium.points.lyapunov import critical_space, lyapunov
 from contwalk.problems.equilibrium.points.symmetric_vectors import symmetric_vectors
 from contwalk.studies.opening import opened

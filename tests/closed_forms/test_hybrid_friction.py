@@ -17,9 +17,9 @@ import pytest
 from hybrid_runs import ACCURACY, assert_met, diagram, machine, opened
 
 from contwalk.branch import Branch
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Noted, Plan
 from contwalk.system import System, Transition
 
 B = 0.05

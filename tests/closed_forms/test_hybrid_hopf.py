@@ -14,9 +14,9 @@ from small_systems import labelled
 
 import contwalk as cw
 from contwalk.branch import Branch
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.studies.opening import opened
 from contwalk.system import System, Transition

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from hybrid_runs import branch_of, diagram, machine
 
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.system import System, Transition
 
 EPS = 0.01

@@ -13,9 +13,9 @@ from loci_of_orbits import FINE, map_as_machine
 from small_systems import labelled, small_system
 
 import contwalk as cw
-from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram.reopening import reopened
 from contwalk.system import State
 
 SCALES = (1e8, 1e-8)

@@ -17,9 +17,9 @@ from hybrid_runs import branch_of
 from loci_of_orbits import FINE, WALKED, assert_at, labels, largest, map_as_machine, map_plugin, studied
 
 import contwalk as cw
-from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram.reopening import reopened
 
 pytestmark = pytest.mark.slow
 

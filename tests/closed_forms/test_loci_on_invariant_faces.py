@@ -15,7 +15,7 @@ from small_systems import small_problem
 
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.problems.locus.orbit_points.resonances import R2OnTori
 from contwalk.problems.locus.orbit_points.where_branches_cross import OnBranchPoints
 

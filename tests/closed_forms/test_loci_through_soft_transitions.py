@@ -20,7 +20,7 @@ from loci_of_orbits import FINE, labels, largest
 
 import contwalk as cw
 from contwalk.branch import Branch
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.problems.locus.condensed import OfMultipliers, turned
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.orbit.augmented import Augmented

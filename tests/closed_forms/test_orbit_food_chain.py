@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from hybrid_runs import diagram
 
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.problems.orbit import switching
 from contwalk.problems.orbit.asymmetry import asymmetries
 from contwalk.system import Mode, Parameter, State, System

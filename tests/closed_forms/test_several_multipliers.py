@@ -11,9 +11,9 @@ import pytest
 from small_systems import labelled, small_system
 
 import contwalk as cw
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
 from contwalk.studies.opening_orbits import opened_orbit
 
 

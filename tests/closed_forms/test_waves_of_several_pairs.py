@@ -13,9 +13,9 @@ from small_systems import labelled, small_system
 
 import contwalk as cw
 from contwalk.branch import Branch
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.equilibrium.permutations import as_cycles, generating, permutations_at
 from contwalk.studies.opening import opened

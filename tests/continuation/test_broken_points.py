@@ -5,9 +5,9 @@ import pytest
 from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
 from contwalk.errors import NotFinite, PluginError, StartError, UnsupportedOperation
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.equilibrium.points.hopf import Hopf

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from made_up import MadeUp
 
-from contwalk.continuation.closing import place_of_closure
+from contwalk.continuation.returns import place_of_closure
 
 
 @dataclass

@@ -5,10 +5,10 @@ import pytest
 from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Noted, Plan
-from contwalk.continuation.recognition import Known, known_branch
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Noted, Plan
+from contwalk.diagram.recognition import Known, known_branch
 from contwalk.studies.opening import opened
 
 

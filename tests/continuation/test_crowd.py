@@ -9,11 +9,11 @@ from made_up import line
 
 from contwalk.branch import Outcome
 from contwalk.continuation import pseudo_arclength
+from contwalk.continuation.ends import CREEPING, IN_A_ROW, Crowd
 from contwalk.continuation.locating import Disagreement
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.pseudo_arclength import End, walk
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.stagnation import CREEPING, IN_A_ROW, Crowd
 from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.step import Step, _unlocated, take_step
 

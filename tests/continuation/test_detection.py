@@ -14,8 +14,7 @@ import contwalk as cw
 from contwalk.continuation import detection
 from contwalk.continuation.detection import _check_apart, at_the_end, bifurcations
 from contwalk.continuation.double_crossings import Hidden
-from contwalk.continuation.locating import Disagreement
-from contwalk.continuation.on_finest_steps import Subsegment
+from contwalk.continuation.locating import Disagreement, Subsegment
 
 
 def told(found):

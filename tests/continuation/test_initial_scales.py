@@ -7,7 +7,7 @@ from small_systems import labelled, small_problem
 import contwalk as cw
 from contwalk.branch import SpecialPoint
 from contwalk.continuation import state as here
-from contwalk.continuation.initial_scales import initial_magnitudes
+from contwalk.continuation.metric import initial_magnitudes
 from contwalk.problems.equilibrium.second_direction import branch_point_seeds
 from contwalk.system import State
 

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from contwalk.continuation.leading_eigenvalues import has_kink
+from contwalk.continuation.eigenvalues_between import has_kink
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.settings import Mark
 from contwalk.problems.problem import MAX_RE

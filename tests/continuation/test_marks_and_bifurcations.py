@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from made_up import KINDS, LINE, at, line
 
-from contwalk.continuation import points_before_limits
+from contwalk.continuation import special_points
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.settings import Settings
@@ -24,14 +24,10 @@ def test_a_mark_at_a_bifurcation_is_at_its_place(monkeypatch, apart, moved):
         turns.extend(places)
         return [found(0.6 + apart, "UZ"), found(0.9, "UZ")]
 
-    monkeypatch.setattr(
-        points_before_limits, "bifurcations", lambda segment: [found(0.3, "HB"), found(0.6, "LP")]
-    )
-    monkeypatch.setattr(points_before_limits, "marked", marked)
+    monkeypatch.setattr(special_points, "bifurcations", lambda segment: [found(0.3, "HB"), found(0.6, "LP")])
+    monkeypatch.setattr(special_points, "marked", marked)
     segment = line(lambda z: [-1.0]).segment((0.0, 0.0), (0.0, 1.0))
-    told = points_before_limits.everything(
-        segment, Settings(range=(-1.0, 1.0)), Observer(LINE, ()), born=False
-    )
+    told = special_points.everything(segment, Settings(range=(-1.0, 1.0)), Observer(LINE, ()), born=False)
     assert turns == [0.6]
     assert [f.label for f in told] == ["HB", "LP", "UZ", "UZ"]
     assert [f.theta for f in told] == [0.3, 0.6, 0.6 if moved else 0.6 + apart, 0.9]

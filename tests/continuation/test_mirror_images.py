@@ -10,9 +10,9 @@ from cut_branches import Appended, assert_same, kept
 from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.settings import Mark, Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Noted, Plan
 from contwalk.problems.equilibrium import mirror as mirrors
 from contwalk.studies.opening import opened
 from contwalk.system import Observable, State, Symmetry

@@ -10,9 +10,9 @@ from cut_branches import Appended, assert_same, kept
 from forced_mirrors import block, half, pair
 from hybrid_runs import ACCURACY, opened
 
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Noted, Plan
 from contwalk.problems.orbit import mirror as mirrors
 
 # Machine, half periods of the forcing in half a cycle, a value with a symmetric orbit, and a range that

@@ -10,9 +10,9 @@ from cut_branches import Appended, assert_same, kept
 from scipy.integrate import solve_ivp
 from small_systems import small_system
 
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.settings import Mark, Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Noted, Plan
 from contwalk.problems.orbit import mirror as mirrors
 from contwalk.studies.opening import opened
 from contwalk.studies.opening_orbits import opened_orbit

@@ -7,10 +7,10 @@ from small_systems import labelled, small_system
 import contwalk as cw
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.branch_in_progress import BranchInProgress, Start, Stored, spent
-from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.events import Found
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import BranchInProgress, Start, Stored, spent
+from contwalk.diagram.diagram import Diagram, Plan
+from contwalk.diagram.events import Found
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES
 from contwalk.storage.schema import outcome_from_text, outcome_text, special_from_text, special_text
 from contwalk.studies.opening_orbits import opened_orbit

@@ -10,14 +10,15 @@ import pytest
 from small_systems import circle, small_system
 
 import contwalk as cw
-from contwalk.continuation import diagram, pseudo_arclength
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Noted, Plan
-from contwalk.continuation.opening import Opening
-from contwalk.continuation.recognition import Known, images, known_branch
-from contwalk.continuation.reopening import reopened
+from contwalk.continuation import pseudo_arclength
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import begin
+from contwalk.diagram import diagram
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Noted, Plan
+from contwalk.diagram.opening import Opening
+from contwalk.diagram.recognition import Known, images, known_branch
+from contwalk.diagram.reopening import reopened
 from contwalk.problems.equilibrium.points.hopf import Hopf
 from contwalk.studies.opening import opened
 from contwalk.system import State, Symmetry

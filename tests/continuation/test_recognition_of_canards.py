@@ -4,7 +4,7 @@ import numpy as np
 from small_systems import small_system
 
 import contwalk as cw
-from contwalk.continuation.recognition import known_branch
+from contwalk.diagram.recognition import known_branch
 from contwalk.problems.problem import at_stored
 
 RANGE = (0.97, 1.01)

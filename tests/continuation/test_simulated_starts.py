@@ -5,9 +5,9 @@ import pytest
 from small_systems import labelled, small_system
 
 from contwalk.branch import Outcome
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
 from contwalk.flow.hybrid.motions import MotionSegment, hybrid_machine
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.initial.coming_to_rest import check_moves

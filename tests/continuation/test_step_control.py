@@ -11,9 +11,9 @@ from made_up import LINE, MadeUp, at, circle, line, parabola, pitchfork
 
 from contwalk.branch import Outcome
 from contwalk.continuation import control
-from contwalk.continuation.closing import place_of_closure
+from contwalk.continuation.attempt import predict
 from contwalk.continuation.marks import Observer
-from contwalk.continuation.prediction import predict
+from contwalk.continuation.returns import place_of_closure
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.step import take_step

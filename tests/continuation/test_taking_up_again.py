@@ -7,7 +7,7 @@ import pytest
 from small_systems import small_problem
 
 import contwalk as cw
-from contwalk.continuation.branch_in_progress import BranchInProgress, Stored, resumed
+from contwalk.diagram.branch_in_progress import BranchInProgress, Stored, resumed
 
 FORWARD, BACKWARD = 1.0, -1.0
 

@@ -11,7 +11,7 @@ from small_systems import labelled, small_system
 
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.reopening import reopened, stored_place
+from contwalk.diagram.reopening import reopened, stored_place
 from contwalk.errors import DatabaseError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.restoring import problem_of

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from small_systems import labelled, small_system
 
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
 from contwalk.studies.opening import opened
 
 

@@ -10,7 +10,7 @@ from contwalk_systems.bouncing_ball import SYSTEM as BALL
 from hybrid_runs import diagram
 
 import contwalk as cw
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.errors import NotFinite
 from contwalk.problems.parents import SymmetriesLost, gained_symmetry, kept_symmetry
 from contwalk.system import Mode, Parameter, State, Symmetry, System

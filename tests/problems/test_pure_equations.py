@@ -25,10 +25,10 @@ from hybrid_runs import machine, opened
 from small_systems import small_problem
 
 from contwalk.continuation.newton import correct
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import begin
+from contwalk.diagram.opening import Opening
 from contwalk.errors import ContwalkError, NotFinite
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 from contwalk.problems.problem import PointType, Problem, Sample, equations_at

@@ -18,8 +18,8 @@ from autobalancer_figures import (
 from whirl_determinant import exact_hopf, neutral_directions
 
 import contwalk as cw
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.opening import Opening
 from contwalk.studies.opening import opened
 
 pytestmark = pytest.mark.thesis

@@ -14,7 +14,7 @@ CODE = ROOT / "contwalk"
 # How many definitions of a package have no docstring, or one that tells no shape of an array. The numbers may
 # only fall; a package that is not here has none.
 LEFT = {
-    "continuation": 6,
+    "continuation": 2,
     "contwalk": 5,
     "fields": 1,
     "flow": 8,

@@ -20,6 +20,7 @@ REPLACED = {
     "storage": {"arc", "lap", "leg", "quiet", "plan", "told", "here"},
     "numerics": {"arc", "lap", "leg", "quiet", "plan", "told", "here"},
     "continuation": {"here", "told", "leg", "lap", "piece", "pieces", "quiet"},
+    "diagram": {"here", "told", "leg", "lap", "piece", "pieces", "quiet"},
     "studies": {"here", "told", "piece", "pieces", "quiet", "lap", "laps", "word"},
     "problems": {"lap", "laps", "word"},
     "workflow": {"here", "told", "leg", "legs", "lap", "piece", "pieces", "quiet", "plan", "arc"},

@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from contwalk.cli import entry
-from contwalk.continuation import branch_walk
-from contwalk.continuation.ahead import NAMELESS, Ends, Note, Point, Task
+from contwalk.diagram import branch_walk
+from contwalk.diagram.ahead import NAMELESS, Ends, Note, Point, Task
 from contwalk.errors import PluginError
 from contwalk.storage import open_database
 from contwalk.workflow import workers

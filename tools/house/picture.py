@@ -31,6 +31,7 @@ COLUMNS = {
     "workflow": (200, 1180),
     "studies": (330, 730),
     "plugin_check": (20, 250),
+    "diagram": (330, 730),
     "continuation": (330, 730),
     "plotting": (800, 985),
     "storage": (1005, 1180),

@@ -20,7 +20,7 @@ from tools.mutants.sites import Mutant, mutants_of
 from tools.mutants.trial import load_libraries, passes, tried
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("continuation", "problems", "flow", "fields", "storage")
+PACKAGES = ("continuation", "diagram", "problems", "flow", "fields", "storage")
 COPIED = ("contwalk", "systems", "tests", "runs", "docs", "README.md", "pyproject.toml")
 SURVIVED = "survived"
 # Seconds that tests may take that are named and not measured.

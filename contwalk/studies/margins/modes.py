@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.deviations import Deviations
 from contwalk.studies.margins.solution import ACCURATE, Instant, Solution

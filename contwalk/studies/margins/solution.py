@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.errors import ContwalkError
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.discretization import Discretization

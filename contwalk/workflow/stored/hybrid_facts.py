@@ -73,7 +73,7 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
     ContwalkError
         If the system is not that of the branch, or the orbit cannot be integrated.
     """
-    from contwalk.continuation.reopening import reopened
+    from contwalk.diagram.reopening import reopened
     from contwalk.problems.hybrid.margins import DERIVED
     from contwalk.workflow.stored.orbits import PICTURE
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import ORBITS, Branch, SpecialPoint
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.errors import ContwalkError
 from contwalk.plotting.segments import at_birth
 from contwalk.problems.orbit.discretization import Discretization

@@ -16,7 +16,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from contwalk.branch import Outcome
-from contwalk.continuation.opening import Opening
+from contwalk.diagram.opening import Opening
 from contwalk.errors import SystemDefinitionError
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments

@@ -16,7 +16,7 @@ from test_hybrid_mirror import MIRROR, START, field, travelling, two_sided
 from test_soft_orbit import system as spring_and_wall
 
 import contwalk as cw
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 from contwalk.problems.orbit.deviations import Deviations

@@ -15,8 +15,8 @@ import pytest
 from test_hybrid_mirror import START, two_sided
 
 import contwalk as cw
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.opening import Opening
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.hybrid_recurrence import HybridRecurrence
 from contwalk.problems.images import imaged

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hybrid_runs import machine
 
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Noted, Plan
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Noted, Plan
+from contwalk.diagram.opening import Opening
 from contwalk.problems.hybrid import hybrid_limits
 from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Mode, Neutral, Parameter, State, System, Transition

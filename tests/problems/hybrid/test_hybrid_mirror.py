@@ -18,9 +18,9 @@ from hybrid_runs import ACCURACY, assert_met, diagram, machine, solution
 from lorenz_mirrors import field, mirror, travelling, travelling_mirror
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.opening import Opening
-from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.opening import Opening
+from contwalk.diagram.reopening import reopened
 from contwalk.problems.hybrid.rotated import rotated
 from contwalk.problems.hybrid.simulated_round import follows
 from contwalk.problems.orbit.discretization import SOLVED

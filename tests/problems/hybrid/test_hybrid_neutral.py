@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hybrid_runs import ACCURACY, branch_of, machine, opened
 
-from contwalk.continuation.opening import Opening
+from contwalk.diagram.opening import Opening
 from contwalk.system import Neutral, System, Transition
 
 WALKED = 100.0 * ACCURACY

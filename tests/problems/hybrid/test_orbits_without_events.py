@@ -11,10 +11,10 @@ from small_systems import labelled
 
 import contwalk as cw
 from contwalk.branch import Branch
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
+from contwalk.diagram.opening import Opening
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.studies.opening import opened
 from contwalk.studies.opening_orbits import opened_orbit

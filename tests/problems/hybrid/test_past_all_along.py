@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hybrid_runs import machine, opened
 
-from contwalk.continuation.opening import Opening
+from contwalk.diagram.opening import Opening
 from contwalk.system import State, Symmetry, Transition
 
 

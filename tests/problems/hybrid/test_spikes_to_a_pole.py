@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hybrid_runs import machine
 
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.outcomes import Outcome
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.opening import Opening
 from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import System, Transition
 

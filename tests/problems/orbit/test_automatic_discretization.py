@@ -10,7 +10,7 @@ from peers.problems import hodgkin_huxley
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.problems.orbit.cutting import cuts_for
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.step_blocks import steps_of

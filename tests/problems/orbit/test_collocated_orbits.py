@@ -8,7 +8,7 @@ from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
 from contwalk.branch import Branch
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.problems.initial.orbit_from_state import orbit_at
 from contwalk.problems.orbit.cutting import cuts_for
 from contwalk.problems.orbit.discretization import Discretization

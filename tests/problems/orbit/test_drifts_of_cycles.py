@@ -6,9 +6,9 @@ import pytest
 from small_systems import small_system
 
 import contwalk as cw
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.diagram import Diagram, Plan
 from contwalk.studies.opening import opened
 
 

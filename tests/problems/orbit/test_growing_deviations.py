@@ -10,7 +10,7 @@ from small_systems import small_system
 import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.continuation import outcomes
-from contwalk.continuation.reopening import reopened
+from contwalk.diagram.reopening import reopened
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.layout import LEAST_CHOSEN, times_chosen
 from contwalk.problems.orbit.transport import MOST_GROWTH, growth, segments_of_growth

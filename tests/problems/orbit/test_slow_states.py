@@ -12,8 +12,8 @@ from small_systems import small_problem
 import contwalk as cw
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.pseudo_arclength import Earlier, walk
-from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.rows import from_row
 from contwalk.problems.restoring import problem_of
 
 

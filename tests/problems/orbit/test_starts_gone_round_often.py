@@ -12,8 +12,8 @@ from lorenz_mirrors import field, mirror, travelling, travelling_mirror
 from small_systems import small_system
 
 import contwalk as cw
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.opening import Opening
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.studies.opening_orbits import opened_orbit

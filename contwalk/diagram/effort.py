@@ -14,8 +14,8 @@ import numpy as np
 
 from contwalk.branch import ORBITS, Branch, BranchInfo, Outcome
 from contwalk.continuation.allowance import Bound
-from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.branch_in_progress import Start
 from contwalk.labels import END
 
 REASON = "effort"

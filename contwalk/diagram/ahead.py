@@ -14,10 +14,10 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation.allowance import UNBOUNDED, Allowance, Bound
-from contwalk.continuation.branch_in_progress import BranchInProgress, Start
-from contwalk.continuation.branch_walk import BranchWalk
-from contwalk.continuation.effort import REASON
-from contwalk.continuation.events import Began, Event, Found, Noted
+from contwalk.diagram.branch_in_progress import BranchInProgress, Start
+from contwalk.diagram.branch_walk import BranchWalk
+from contwalk.diagram.effort import REASON
+from contwalk.diagram.events import Began, Event, Found, Noted
 from contwalk.labels import END
 
 # Stands in texts for the name of a branch that is not known yet.

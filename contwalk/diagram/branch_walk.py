@@ -8,9 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome
-from contwalk.continuation import mirror_images, outcomes
+from contwalk.continuation import outcomes
 from contwalk.continuation.allowance import UNBOUNDED, Bound, allowance_of
-from contwalk.continuation.branch_in_progress import (
+from contwalk.continuation.ends import Crowd, with_what_stands_still
+from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error, start_refined
+from contwalk.continuation.pseudo_arclength import Earlier, End, walk
+from contwalk.continuation.records import start_record
+from contwalk.diagram import mirror_images
+from contwalk.diagram.branch_in_progress import (
     BranchInProgress,
     Start,
     Stored,
@@ -20,14 +25,10 @@ from contwalk.continuation.branch_in_progress import (
     resumed,
     spent,
 )
-from contwalk.continuation.events import Began, Cut, Event, Found, Noted, Plan
-from contwalk.continuation.first_steps import Beginning, FirstSteps, Place
-from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error, start_refined
-from contwalk.continuation.opening import Opening
-from contwalk.continuation.pseudo_arclength import Earlier, End, walk
-from contwalk.continuation.records import start_record
-from contwalk.continuation.rows import from_row, to_row
-from contwalk.continuation.stagnation import Crowd, with_what_stands_still
+from contwalk.diagram.events import Began, Cut, Event, Found, Noted, Plan
+from contwalk.diagram.first_steps import Beginning, FirstSteps, Place
+from contwalk.diagram.opening import Opening
+from contwalk.diagram.rows import from_row, to_row
 from contwalk.labels import END, RANGES
 from contwalk.problems.problem import Mirror, Problem, Sample
 

@@ -11,10 +11,10 @@ import numpy as np
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named, narrowed
 from contwalk.continuation import outcomes
 from contwalk.continuation.allowance import Bound, allowance_of
-from contwalk.continuation.opening import Opening
-from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
+from contwalk.diagram.opening import Opening
+from contwalk.diagram.rows import from_row
 from contwalk.errors import DatabaseError
 from contwalk.labels import END
 from contwalk.problems.problem import MAX_ABS, MAX_RE, PointType, Problem
@@ -48,7 +48,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Stored:
-    """What a database holds of a branch: rows and special points in the order of appending.
+    """What a database holds of a branch: rows, shape (k,), and special points in the order of appending.
 
     `observables` are the names of what its rows have; None where they are known to be today's.
     """
@@ -61,7 +61,7 @@ class Stored:
 
 @dataclass
 class BranchInProgress:
-    """A branch in the making; `broken` where an error has ended it."""
+    """A branch in the making, its rows of shape (1,) each; `broken` where an error has ended it."""
 
     info: BranchInfo
     rows: list[np.ndarray] = field(default_factory=list)

@@ -1,11 +1,8 @@
-"""Walks that do not get on: over rounding, or along a branch whose parameter stands still.
+"""Ends of a branch within reach of a step, and walks that get nowhere.
 
-Where the error of solutions is larger than what lies between them, as along canards of large growth, tests
-change their signs for no reason, and the walk may go to and fro for as long as there are points.
-
-An explosion of cycles (a canard), or an orbit that comes near to one of infinite period, changes by as much
-as the arclength says while its parameter moves by less than its digits. That the points are used up is true
-then, and says nothing.
+An end lies on the step, or beside it where it failed. Beside a special point at which a curve ends the
+equations are singular and Newton's method contracts on ever shorter steps only; the point itself is known
+well, and beyond it the curve is its own mirror image.
 """
 
 from __future__ import annotations
@@ -17,7 +14,25 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import Outcome
+from contwalk.continuation import outcomes
+from contwalk.continuation.locating import Found
+from contwalk.continuation.marks import Observer, marked
+from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.continuation.settings import Settings
+from contwalk.errors import ContwalkError
+from contwalk.numerics.bracketing import zero_of
+from contwalk.numerics.linear import norm_in
+from contwalk.problems.problem import Located, PointType, Problem, Sample, equations_at
 
+# The point lies no farther ahead than so many times the step that failed, or that is to follow.
+AHEAD = 4.0
+# The cosine of the way there with the tangent, at least: curves that pass beside the point are others.
+ALONG = 0.99
+# What is left of a step before the end, in parts of it: less is the end itself.
+LEAST = 1e-9
+# An edge this near, in magnitudes of the parameter, is reached: along roots of the way to it solutions would
+# pile up before it, a step each.
+REACHED = 1e-12
 # So many special points in a row tell that are not located.
 IN_A_ROW = 10
 # So many points in a row tell where the way along all of them is this part of the longest step, or less:
@@ -26,6 +41,69 @@ CREEPING, SHORT = 300, 1e-3
 # So many points tell; the parameter has moved by less than the first of these parts of itself, and the
 # period, or a reported state, by more than the second.
 POINTS, STILL, CHANGED = 50, 1e-6, 1e-2
+
+
+def end_ahead(
+    problem: Problem, a: Sample, length: float, settings: Settings, observer: Observer
+) -> tuple[Segment, Found] | None:
+    """The piece of a curve from `a` to the point at which it ends, a few steps of a length away at most.
+
+    None where there is no such point, or where something else lies before it: an eigenvalue that crosses, or
+    a mark.
+    """
+    for kind in problem.point_types:
+        try:
+            located = kind.ends_ahead(problem, a)
+            found = None if located is None else _leads_to(problem, kind, located, a, length)
+        except (*outcomes.BREAKDOWNS, LostBranch):
+            continue
+        if found is not None:
+            return None if marked(found[0], settings.sought, observer, [1.0]) else found
+    return None
+
+
+def _leads_to(
+    problem: Problem, kind: PointType, located: Located, a: Sample, length: float
+) -> tuple[Segment, Found] | None:
+    """The piece of a curve up to a point of a kind, if it leads there."""
+    way = located.z - a.z
+    far = norm_in(way, a.weights)
+    if not 0.0 < far < AHEAD * length or a.tangent @ (way / a.weights**2) < ALONG * far:
+        return None
+    there = problem.examine(located.z, way / far, a.weights, problem.linearize(located.z), a.unstable)
+    if there.unstable != a.unstable:
+        return None
+    known = float(located.error / a.weights[-1])
+    there = there.varied(orientation=a.orientation, error=known if np.isfinite(known) else a.error)
+    return Segment(problem, a, there), Found(1.0, kind, located, there, a.unstable, a.unstable, counted=True)
+
+
+def up_to_end(segment: Segment) -> Segment | None:
+    """The part of a segment before the first place at which a branch ends on it.
+
+    None where it ends right at the beginning, or nobody knows where.
+    """
+    first, last = (segment.problem.diagnosis.end_functions(there) for there in (segment.a, segment.b))
+    passed = [which for which in range(len(first)) if first[which] < 0.0 < last[which]]
+    found = [theta for which in passed if (theta := _zero(segment, which)) is not None]
+    theta = min(found, default=0.0)
+    return segment.until(theta) if theta > LEAST else None
+
+
+def _zero(segment: Segment, which: int) -> float | None:
+    """Where on a segment an end function passes zero."""
+    return zero_of(lambda t: segment.problem.diagnosis.end_functions(segment.at(t))[which], 0.0, 1.0)
+
+
+def edge_reached(problem: Problem, sample: Sample) -> bool:
+    """Whether the equations have no value right ahead of a solution, where only the parameter changes."""
+    z = sample.z.copy()
+    z[-1] += np.copysign(REACHED * sample.weights[-1], sample.tangent[-1])
+    try:
+        with np.errstate(all="ignore"):
+            return not equations_at(problem, z)[1].finite
+    except ContwalkError:
+        return True
 
 
 class Crowd:
@@ -54,17 +132,14 @@ class Crowd:
 
     def tell(self, located: bool, s: float, error: float) -> None:
         """A special point, its arclength, and what the solution there is known to, in the metric."""
-        if located:
-            self._last.clear()
-        else:
-            self._last.append((s, error))
+        self._last = deque([] if located else [*self._last, (s, error)], maxlen=IN_A_ROW)
 
     def noise(self, longest: float) -> tuple[str, float] | None:
         """What lies nearer to each other than solutions are known to, and to what they are, in the metric.
 
         None where the walk gets on. `longest` is the longest step that is allowed.
         """
-        if _within(self._last, IN_A_ROW) < IN_A_ROW * (error := max((e for _, e in self._last), default=0.0)):
+        if _way(self._last, IN_A_ROW) < IN_A_ROW * (error := max((e for _, e in self._last), default=0.0)):
             return f"the last {IN_A_ROW} special points were not located, and", error
         way = _way(self._points, CREEPING)
         if not way < SHORT * longest:
@@ -76,12 +151,6 @@ class Crowd:
 def _way(points: deque[tuple[float, float]], count: int) -> float:
     """The way from the first of so many points to the last; infinite where there are fewer."""
     return abs(points[-1][0] - points[0][0]) if len(points) == count else np.inf
-
-
-def _within(points: deque[tuple[float, float]], count: int) -> float:
-    """The way along so many points; infinite where there are fewer."""
-    places = [s for s, _ in points]
-    return max(places) - min(places) if len(places) == count else np.inf
 
 
 def with_what_stands_still(outcome: Outcome, rows: Sequence[np.ndarray], sign: float, free: str) -> Outcome:

@@ -10,13 +10,13 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import control, outcomes
-from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.correction import Correction
-from contwalk.continuation.events import Plan
 from contwalk.continuation.kinds import kind_of
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.events import Plan
+from contwalk.diagram.opening import Opening
 from contwalk.labels import END, MARK, OF_LOCI
 from contwalk.problems.problem import LimitType, PointType, Problem, Seed
 from contwalk.problems.unbegun import born_of

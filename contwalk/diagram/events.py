@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.opening import Opening
 from contwalk.labels import FOLLOWED
 from contwalk.problems.problem import Problem
 from contwalk.special_point import SpecialPoint

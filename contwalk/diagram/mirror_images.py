@@ -28,7 +28,10 @@ SAME = 1e-6
 
 @dataclass(frozen=True)
 class Entry:
-    """A stored row, the regular one from which the walk stepped to it, and the special point that it is."""
+    """A stored row, the regular one from which the walk stepped to it, and the special point that it is.
+
+    Rows have the shape (1,).
+    """
 
     row: np.ndarray
     before: np.ndarray
@@ -44,7 +47,10 @@ class Entry:
 
 @dataclass(frozen=True)
 class Half:
-    """What the walk of one half stored: the rows of each step, special points before where it arrived."""
+    """What the walk of one half stored: the rows of each step, special points before where it arrived.
+
+    The start has the shape (1,).
+    """
 
     steps: list[list[Entry]]
     end: SpecialPoint

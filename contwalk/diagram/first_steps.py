@@ -9,10 +9,10 @@ import numpy as np
 
 from contwalk.continuation.allowance import Allowance
 from contwalk.continuation.marks import Observer
-from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import End, Point, walk
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
+from contwalk.diagram.opening import Opening
 from contwalk.problems.problem import Problem
 
 # A problem, and where on one of its branches a walk sets out.

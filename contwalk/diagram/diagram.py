@@ -14,11 +14,12 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.ahead import Ahead, Task, UpTo, taken_over
 from contwalk.continuation.allowance import Bound
-from contwalk.continuation.beyond_depth import BeyondDepth
-from contwalk.continuation.born_there import born_there
-from contwalk.continuation.branch_in_progress import (
+from contwalk.continuation.state import ContinuationState
+from contwalk.diagram.ahead import Ahead, Task, UpTo, taken_over
+from contwalk.diagram.beyond_depth import BeyondDepth
+from contwalk.diagram.born_there import born_there
+from contwalk.diagram.branch_in_progress import (
     BranchInProgress,
     Start,
     Stored,
@@ -27,13 +28,12 @@ from contwalk.continuation.branch_in_progress import (
     combined,
     outdated,
 )
-from contwalk.continuation.branch_walk import BranchWalk
-from contwalk.continuation.effort import LEFT_FOR_LATER, Efforts
-from contwalk.continuation.events import Began, Dropped, Ended, Event, Noted, Plan
-from contwalk.continuation.growing import grown, leading
-from contwalk.continuation.opening import Opening
-from contwalk.continuation.recognition import Known, known_branch
-from contwalk.continuation.state import ContinuationState
+from contwalk.diagram.branch_walk import BranchWalk
+from contwalk.diagram.effort import LEFT_FOR_LATER, Efforts
+from contwalk.diagram.events import Began, Dropped, Ended, Event, Noted, Plan
+from contwalk.diagram.growing import grown, leading
+from contwalk.diagram.opening import Opening
+from contwalk.diagram.recognition import Known, known_branch
 from contwalk.labels import END
 from contwalk.problems.problem import Problem
 

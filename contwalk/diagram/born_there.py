@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.one_place import is_one
-from contwalk.continuation.opening import Opening
+from contwalk.diagram.branch_in_progress import Start
+from contwalk.diagram.one_place import is_one
+from contwalk.diagram.opening import Opening
 from contwalk.labels import LOCUS
 from contwalk.problems.stored_alike import of_the_same
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from contwalk.continuation.one_place import is_one
+from contwalk.diagram.one_place import is_one
 from contwalk.special_point import SpecialPoint
 
 
