@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,7 +131,7 @@ def turns(
     return a + h * np.minimum(np.maximum(between, 0.0), 1.0)
 
 
-def cubics_at(t: np.ndarray, ends: Sequence[np.ndarray]) -> np.ndarray:
+def cubics_at(t: np.ndarray, ends: Iterable[np.ndarray]) -> np.ndarray:
     """The cubics through two values with their rates, at instants between them, shape (k,).
 
     `ends` are times, values and rates, before and behind each, as `turns` takes them.
