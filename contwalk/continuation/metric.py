@@ -116,8 +116,9 @@ def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray, orig
     z = np.where(np.abs(sample.z) <= _NOTHING * weights, 0.0, sample.z)
     if problem.line.second is None:  # of two free parameters each is an unknown
         z[-1] = sample.parameter
-    known = problem.linearize(z).magnitudes
-    powers = _by_power(sample, origin, weights)
+    there = problem.linearize(z)
+    known, powers = there.magnitudes, _by_power(sample, origin, weights)
+    powers[np.abs(sample.z - origin.z) <= NOISE * _rounding(there)] = np.nan  # dust grows with no power
     moved = np.fmax(np.abs(sample.tangent), powers)
     # A declared scale may be one as well; it stays what it is.
     begins = (z != 0.0) & (moved > _NOTHING * weights) | np.isfinite(powers)
@@ -145,17 +146,20 @@ def _by_power(sample: Sample, origin: Sample, weights: np.ndarray) -> np.ndarray
 
 def _without_noise(problem: Problem, z: np.ndarray, linearization: Linearization) -> Linearization:
     """The equations at z, or where unknowns that are zero but for their error are exactly zero."""
-    level = linearization.levels[0]
-    square = linearization.jacobian[:, :-1]
-    try:
-        inverse = Factored(square).solve(np.eye(len(square)))
-    except np.linalg.LinAlgError:  # a fold or a branch point
-        return linearization
-    error = np.append(np.abs(inverse) @ level, 0.0)
-    noisy = (np.abs(z) <= NOISE * error) & (z != 0.0)
+    noisy = (np.abs(z) <= NOISE * _rounding(linearization)) & (z != 0.0)
     if not np.any(noisy):
         return linearization
     clean = problem.linearize(np.where(noisy, 0.0, z))
     if not clean.finite or clean.excess > max(ROUNDED, linearization.excess):
         return linearization
     return clean
+
+
+def _rounding(linearization: Linearization) -> np.ndarray:
+    """What rounding of the equations makes of each unknown, shape (N + 1,); zero where they are singular."""
+    square = linearization.jacobian[:, :-1]
+    try:
+        inverse = Factored(square).solve(np.eye(len(square)))
+    except np.linalg.LinAlgError:  # a fold or a branch point
+        return np.zeros(len(square) + 1)
+    return np.append(np.abs(inverse) @ linearization.levels[0], 0.0)

@@ -7,7 +7,7 @@ from small_systems import labelled, small_problem
 import contwalk as cw
 from contwalk.branch import SpecialPoint
 from contwalk.continuation import state as here
-from contwalk.continuation.metric import initial_magnitudes
+from contwalk.continuation.metric import initial_magnitudes, later_magnitudes
 from contwalk.problems.equilibrium.second_direction import branch_point_seeds
 from contwalk.system import State
 
@@ -131,6 +131,23 @@ def test_harmonics_are_scaled_by_how_far_they_move_with_the_amplitude():
     assert steepness == pytest.approx(np.full(7, steepness[0]), rel=1e-2)
     assert np.all(weights[1:9] > 0.1 * weights[0] ** powers)
     assert len(branch) < 150
+
+
+def wave(t, x, p, dx):
+    """u'' + lam (u - u^3) = 0 at three points: the middle one is rounding in the second mode."""
+    for k, (left, right) in enumerate(((0.0, x[1]), (x[0], x[2]), (x[1], 0.0))):
+        dx[k] = left - 2.0 * x[k] + right + p.lam * (x[k] - x[k] ** 3)
+
+
+def test_dust_that_grows_with_the_amplitude_tells_no_scale():
+    """Its power of the amplitude made a weight of 1e-16, which no solution is known to, and steps of 1e-12."""
+    problem = small_problem(wave, "abc", {"lam": 2.0}, "lam")
+    amplitude = 1e-2
+    lam = 2.0 / (1.0 - amplitude**2)
+    tangent, weights = np.array([1.0, 3e-16, -1.0, 0.0]) / np.sqrt(2.0), np.array([1.0, 1.0, 1.0, 2.0])
+    places = np.array([[0.0, 0.0, 0.0, 2.0], [amplitude, 1.2e-18, -amplitude, lam]])
+    origin, sample = (problem.examine(z, tangent, weights, problem.linearize(z), None) for z in places)
+    assert not later_magnitudes(problem, sample, weights, origin)[1] < 1e-3 * amplitude
 
 
 # -- the parameter -------------------------------------------------------------------------------------------
