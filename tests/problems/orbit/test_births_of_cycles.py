@@ -39,6 +39,27 @@ def test_a_state_that_follows_with_the_square_is_followed():
     assert 0.99 * low < cycle.points["state"][1, 2] < 1.01 * high
 
 
+def test_a_circle_beside_a_state_that_grows():
+    """W. F. Langford's, ISNM 70 (1984) 285: r' = (z - 0.7) r, so that all of second order moves z alone."""
+
+    def field(t, x, p, dx):
+        dx[0] = (x[2] - 0.7) * x[0] - 3.5 * x[1]
+        dx[1] = 3.5 * x[0] + (x[2] - 0.7) * x[1]
+        square = x[0] ** 2 + x[1] ** 2
+        dx[2] = p.lam - 1.0 + 0.95 * x[2] - x[2] ** 3 / 3.0 - square * (1.0 + 0.25 * x[2])
+
+    problem = small_problem(field, "abc", {"lam": 0.2}, "lam")
+    born = 1.0 - 0.95 * 0.7 + 0.7**3 / 3.0
+    branch = cw.continue_branch(problem, [0.0, 0.0, 1.8], (0.2, 3.0))
+    point = next(p for p in labelled(branch, "HB") if abs(p.parameters["lam"] - born) < 1e-8)
+    cycle = cw.switch_branch(problem, branch, point, (0.2, 3.0))
+    assert cycle.outcome.reason == "bound"
+    # With z at rest r^2 (1 + 0.25 z) = lam - born; a torus where the trace 0.95 - z^2 - 0.25 r^2 vanishes.
+    (torus,) = labelled(cycle, "NS")
+    there = born + (0.95 - 0.7**2) / 0.25 * (1.0 + 0.25 * 0.7)
+    assert torus.parameters["lam"] == pytest.approx(there, rel=1e-8)
+
+
 def test_sizes_of_all_orders():
     """u' = -u + x^2, v' = -2 v + u^2, w' = -w + x^3, z of a pure shift, beside x = 2 rho cos t."""
 

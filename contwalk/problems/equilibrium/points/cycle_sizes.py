@@ -79,11 +79,8 @@ class CycleSizes:
     def __call__(self, change: float) -> np.ndarray:
         """Half of what each state moves by, or what its mean does, shape (n,): positive."""
         wanted = np.sqrt(self._square * change) if self._square > 0.0 else 0.5
-        rho, moved = wanted, None
-        for _ in range(HALVINGS):
-            moved = self._moved(rho)
-            if moved is not None:
-                break
+        rho = wanted
+        while (moved := self._moved(rho)) is None and rho > wanted * 0.5**HALVINGS:
             rho *= 0.5
         if self._square == 0.0:  # as far as the orders fall
             wanted = rho
@@ -110,13 +107,16 @@ class CycleSizes:
                 np.fft.fft(fields - (turn @ harmonics).real @ self._a.T, axis=0)[: HARMONICS + 1] / SAMPLES
             )
             bends[1:] *= 2.0
+            before = harmonics
             harmonics = first + np.array([m @ b for m, b in zip(self._inverses, bends, strict=True)])
             higher = np.abs(harmonics - first).sum(axis=0)
             if not np.all(higher[self._by_itself] <= MOST * rho * self._first.max()):
                 return None
         size = 0.5 * np.ptp((turn @ harmonics).real, axis=0) + np.abs(harmonics[0])
         noise = NOISE * sum(np.abs(m) for m in self._inverses) @ (np.abs(self._a) @ size)
-        return np.where(size > noise, size, 0.0)
+        # The others may run away while those of the first order stay as they are, in exact balance.
+        settled = np.all(np.abs(harmonics - before).sum(axis=0) <= np.maximum(MOST * size, noise))
+        return np.where(size > noise, size, 0.0) if settled else None
 
     def _fields(self, deviations: np.ndarray) -> np.ndarray | None:
         """The field at the Hopf point's state displaced, shape (s, n); None where it is not finite."""
