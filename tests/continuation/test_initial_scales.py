@@ -140,7 +140,7 @@ def wave(t, x, p, dx):
 
 
 def test_dust_that_grows_with_the_amplitude_tells_no_scale():
-    """Its power of the amplitude made a weight of 1e-16, which no solution is known to, and steps of 1e-12."""
+    """Its power of the amplitude made a weight of 1e-16, to which nothing is known, and steps of 1e-12."""
     problem = small_problem(wave, "abc", {"lam": 2.0}, "lam")
     amplitude = 1e-2
     lam = 2.0 / (1.0 - amplitude**2)
