@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from contwalk.problems.orbit.extrema import Smooth, _cubic, extremes_of, turns
+from contwalk.problems.orbit.extrema import Smooth, cubics_at, extremes_of, turns
 
 
 def stretch(asked, name, first, second):
@@ -79,9 +79,9 @@ def test_a_cubic_is_told_by_its_values_and_rates_at_both_ends(share):
     """1 - 2 t + 3 t^2 - t^3 from 2 on, over a step of three."""
     cubic = Polynomial([1.0, -2.0, 3.0, -1.0])
     slope, a, b = cubic.deriv(), 2.0, 5.0
-    given = [np.array([v]) for v in (share, b - a, cubic(a), cubic(b), slope(a), slope(b))]
+    t, *ends = (np.array([v]) for v in (a + share * (b - a), a, b, cubic(a), cubic(b), slope(a), slope(b)))
     # The values are of the order of 60.
-    assert _cubic(*given)[0] == pytest.approx(cubic(a + share * (b - a)), abs=1e-13)
+    assert cubics_at(t, ends)[0] == pytest.approx(cubic(t[0]), abs=1e-13)
 
 
 def test_turns_are_looked_for_between_the_samples_where_a_rate_changes_its_sign():
