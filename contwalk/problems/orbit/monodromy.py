@@ -388,6 +388,10 @@ def doubted(orbit: OrbitData, found: Multipliers, trivial: float, jacobian: np.n
     """
     if orbit.eventful or not trivial > UNTOLD:
         return found
-    (factors,), units = chain(orbit, jacobian), orbit.extended(0)
-    scaled = [factor / units[:, None] * units for factor in factors]
-    return found.doubted(trivial * float(np.prod([np.linalg.norm(f, 2) for f in scaled])))
+    legs = chain(orbit, jacobian)
+    units = [orbit.extended(i % len(legs)) for i in range(len(legs) + 1)]
+    for i, factors in enumerate(legs):
+        for j, factor in enumerate(factors):
+            reached = units[i + (j == len(factors) - 1)]
+            trivial *= float(np.linalg.norm(factor / reached[:, None] * units[i], 2))
+    return found.doubted(trivial)

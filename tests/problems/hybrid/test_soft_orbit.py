@@ -19,7 +19,7 @@ from contwalk.problems.hybrid.forward_solution import solved_forward
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.rotated import rotated
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, softened_seed
-from contwalk.problems.orbit import equations
+from contwalk.problems.orbit import equations, monodromy
 from contwalk.problems.problem import Seed
 from contwalk.system import System, Transition
 
@@ -232,3 +232,30 @@ def test_a_seed_that_begins_with_another_event_keeps_its_way(way, other):
     assert np.abs(jacobian @ found.tangent) == pytest.approx(
         0.0, abs=1e-10 * float(np.max(np.abs(jacobian) @ np.abs(found.tangent)))
     )
+
+
+def test_doubt_of_multipliers_is_carried_once_round():
+    """Two foci with a switching line between them: where the flow's own multiplier is all wrong, each may
+    be off by what the closure lets grow, and that is no less than the multiplier itself.
+    """
+    fields = {
+        "right": lambda t, x, p, dx: _turning(x, p, dx, 0.3),
+        "left": lambda t, x, p, dx: _turning(x, p, dx, -0.5),
+    }
+    line = [
+        Transition("enters", "right", "left", lambda t, x, p: x[0], role="soft"),
+        Transition("leaves", "left", "right", lambda t, x, p: x[0], "rising", role="soft"),
+    ]
+    two = machine(["x", "y"], {"mu": 0.5}, fields, line)
+    problem, z = solution(two, "mu", [1.0, 0.0], until="settled")
+    there = problem._at(z)
+    jacobian = there.explicit.jacobian(there.unknowns)
+    assert len(monodromy.chain(there.explicit, jacobian)) > 1
+    found = there.explicit.multipliers(there.unknowns, jacobian)
+    doubted = monodromy.doubted(there.explicit, found, 1.0, jacobian)
+    assert doubted.accuracy >= abs(found.values[0])
+    assert monodromy.doubted(there.explicit, found, 1e-9, jacobian) is found
+
+
+def _turning(x, p, dx, growth):
+    dx[0], dx[1] = growth * x[0] + x[1], p.mu - x[0]
