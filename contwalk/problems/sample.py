@@ -16,6 +16,11 @@ NO_MARGIN = 1e-7
 RESTS = 1e-12
 
 
+def within(margins: np.ndarray) -> bool:
+    """Whether no relative margin is negative beyond rounding; of shape (l,)."""
+    return bool(np.all(margins >= -NO_MARGIN))
+
+
 class Rates:
     """How fast stability measures change along a branch, each computed when it is first asked for.
 
@@ -228,4 +233,4 @@ class Sample:
     @property
     def admissible(self) -> bool:
         """Whether no margin is negative beyond rounding, and no event is passed over."""
-        return not self.forbidden and bool(np.all(self.margins >= -NO_MARGIN))
+        return not self.forbidden and within(self.margins)

@@ -20,7 +20,7 @@ from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquat
 from contwalk.problems.equilibrium.normal_forms import critical_vectors
 from contwalk.problems.images import Product, imaged, point_of_image, products, refused_limit, row_of_image
 from contwalk.problems.problem import Sample
-from contwalk.problems.sample import NO_MARGIN
+from contwalk.problems.sample import within
 from contwalk.system.declarations import ParameterValues
 
 # In the metric, a state that is kept comes back this exactly, and a tangent that is reversed.
@@ -127,7 +127,6 @@ class Mirror:
         if not residual <= max(SOLVED, 2.0 * float(row["residual"])):
             return None
         tangent = -(derivative @ row["tangent"])
-        limited = problem.limited
         return row_of_image(
             row,
             there,
@@ -135,7 +134,7 @@ class Mirror:
             weights,
             state=there[: problem.states],
             observables=[*problem.measured(there), row["observables"][-1]],
-            admissible=limited is None or bool(np.all(limited.margins(there, weights) >= -NO_MARGIN)),
+            admissible=problem.limited is None or within(problem.limited.margins(there, weights)),
             residual=residual,
             rhs=problem.evaluations - spent,
             seconds=time.perf_counter() - began,

@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.memory import computed_once
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES
 from contwalk.problems.problem import LimitType
-from contwalk.problems.sample import NO_MARGIN
+from contwalk.problems.sample import within
 from contwalk.system import Transition
 
 KINDS: dict[str, LimitType] = {kind.label: kind for kind in LIMIT_TYPES}
@@ -89,7 +89,7 @@ class Margins:
     @property
     def admissible(self) -> bool:
         """Whether none is negative."""
-        return bool(np.all(self.relative >= -NO_MARGIN))
+        return within(self.relative)
 
     @computed_once
     def by_name(self) -> dict[str, float]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.problem import Located, PointType, Sample
+from contwalk.problems.sample import within
 
 # Kind, criticality, coefficients and note of a special point.
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
@@ -52,6 +53,7 @@ class EquilibriumPoint(PointType):
             note=note,
             unknowns=tuple(z.tolist()),
             tangent=tuple(sample.tangent.tolist()),
+            admissible=problem.limited is None or within(problem.limited.margins(z, sample.weights)),
         )
 
     def _told(self, problem: Any, located: Located, sample: Sample) -> Form:
