@@ -79,7 +79,8 @@ def problem_of(system: System, info: BranchInfo, state: np.ndarray, discretizati
     path = info.settings.get("path")
     ends = None if path is None else (dict(path[0]), dict(path[1]))
     parameters = {name: float(info.parameters[name]) for name in system.parameter_names}
-    facts = Facts(system, info, parameters, ends, pins_of(system, info), state, discretization)
+    own = system.beginning_in(info.settings.get("mode"))
+    facts = Facts(own, info, parameters, ends, pins_of(system, info), state, discretization)
     return import_module(RESTORED_BY[info.problem]).restored(facts)
 
 

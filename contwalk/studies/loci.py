@@ -169,7 +169,8 @@ def _problem(
     info = branch.info
     if info.problem == "equilibrium":
         ranges = dict(zip(free, settings.bounds.values(), strict=True))
-        return locus_at(system, point, known, free, pins_of(system, info), discretization, ranges)
+        own = system.beginning_in(info.settings.get("mode"))
+        return locus_at(own, point, known, free, pins_of(system, info), discretization, ranges)
     from contwalk.problems.locus import orbit_starts  # orbits need compiled flows
 
     place = stored_place(branch, point)

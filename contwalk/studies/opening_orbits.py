@@ -64,8 +64,8 @@ def opened_orbit(
     try:
         found = eventful(start) if system.has_events else smooth(start)
     except AtRest as rest:
-        ends = line.ends
-        found = _resting(opened(system, parameters, free, rest.state, settings, ends, at, discretization))
+        begins = parameters, free, rest.state, settings, line.ends, at, discretization
+        found = _resting(opened(system.beginning_in(rest.mode), *begins))
     except (PluginError, NotFinite) as error:
         found = outcomes.no_start(error.reason, error.sentence)
     except StartError as error:

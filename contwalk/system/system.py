@@ -157,9 +157,17 @@ class System(Declared):
     def _modes(self) -> dict[str, Mode]:
         return {mode.name: mode for mode in self.modes}
 
-    def beginning_in(self, mode: str) -> System:
-        """The same system with another mode as the first one: that of its equilibria. It is made once."""
-        if mode == self.modes[0].name:
+    @property
+    def mode_kept(self) -> dict[str, str]:
+        """Of which mode its equilibria are, where it has several, as their stored branches keep it."""
+        return {"mode": self.modes[0].name} if len(self.modes) > 1 else {}
+
+    def beginning_in(self, mode: str | None) -> System:
+        """The same system with another mode as the first one: that of its equilibria. It is made once.
+
+        None leaves the first one as it is.
+        """
+        if mode in (None, self.modes[0].name):
             return self
         order = tuple(sorted(self.modes, key=lambda each: each.name != mode))
         return remembered(memory_of(self, "modes"), mode, len(order), lambda: replace(self, modes=order))

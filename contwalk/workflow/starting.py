@@ -130,7 +130,7 @@ def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
         )
     origin = f"{spec.point} of {spec.file.name}"
     if not np.isfinite(found.period):
-        return Place(found.state, parameters, origin)
+        return Place(found.state, parameters, origin, mode=found.mode)
     kept = parameters == found.parameters
     orbit = Place(found.state, parameters, origin, found.period, orbit=True, itinerary=found.itinerary)
     return replace(orbit, kept=kept)
@@ -156,7 +156,7 @@ def starts(
                     *given, period=place.period, until=place.until, mode=place.mode, event=place.event
                 )
         else:
-            opening = opened(*given)
+            opening = opened(system.beginning_in(place.mode), *given[1:])
         if not isinstance(opening, Outcome) and place.kept:
             opening = _same_orbit(place, opening, discretization.accuracy)
         orbit = place.orbit or system.period is not None

@@ -124,12 +124,56 @@ def test_a_branch_stops_there_or_goes_on_where_it_is_not_the_machines(study, act
     beyond = free["F"] > 1.0 + 1e-9
     assert not free.points["admissible"][beyond].any()
     assert free.points["admissible"][free["F"] < 1.0 - 1e-9].all()
+    for each in free.special_points:  # the end of the range among them
+        assert each.admissible == (each.parameters["F"] <= 1.0), each.name
 
 
 def test_a_branch_that_comes_from_beyond_becomes_the_machines(study):
     (free,) = study(MASS, "{x: 2.5, v: 0.0}", 2.5, "[0, 3]", "stop")
     assert the_point(free).kind == "persistence"
     assert (free["F"].min(), free["F"].max()) == (0.0, 3.0)
+
+
+def test_a_start_is_of_the_mode_that_is_named(study, tmp_path):
+    """Pressed, x = (F + 50) / 51; from its database it is taken up in the same mode."""
+    pressed, free = study(MASS, "{x: 1.1, v: 0.0}, mode: below", 2.5, "[0, 3]", "switch")
+    assert pressed.info.settings["mode"] == "below"
+    np.testing.assert_allclose(pressed["x"], (pressed["F"] + STIFF) / (1.0 + STIFF), rtol=1e-13)
+    assert (the_point(pressed).kind, free.info.settings["mode"]) == ("persistence", "above")
+    np.testing.assert_allclose(free["x"], free["F"], rtol=1e-13, atol=1e-13)
+    file = tmp_path / "again.yaml"
+    file.write_text(
+        "contwalk: 1\nsystem: ./machine.py\nstart: {from: machine.h5, point: b1/EP2}\n"
+        "continue: {parameter: F, range: [0, 3]}\noutput: again.h5\n"
+    )
+    read = cw.read_run_file(file, [], str(tmp_path / "again.h5"))
+    (again,) = cw.run(read, figures=False).branches
+    assert again.info.settings["mode"] == "below"
+    assert again["F"].min() == pytest.approx(1.0, abs=1e-14)
+
+
+FOCI = soft(
+    "    dx[0], dx[1] = 0.6 * x[0] + x[1], p.F - x[0]",
+    "    dx[0], dx[1] = x[1] - (x[0] - 0.5 * x[0] ** 2 / p.a) / 2.0 - 0.1 * x[0] ** 3, p.F - x[0]",
+    "x[0]",
+    "xy",
+).replace('Parameter("F", 1.0)', 'Parameter("F", 1.0), Parameter("a", -0.5)')
+
+
+def test_a_curve_of_a_mode_beyond_the_first_is_of_its_field(study, tmp_path):
+    """Below 0 the trace -1/2 + x / (2 a) - 0.3 x^2 is zero where a = x / (1 + 0.6 x^2); above it is 0.6."""
+    (below,) = study(FOCI, "{x: -0.2, y: -0.1}, mode: below", -0.2, "[-1, -0.1]", "stop")
+    assert [each.label for each in below.special_points].count("HB") == 1
+    file = tmp_path / "curve.yaml"
+    file.write_text(
+        "contwalk: 1\nsystem: ./machine.py\nstart: {from: machine.h5, point: b1/HB1}\n"
+        "continue: {parameters: [F, a], range: {F: [-0.9, -0.3], a: [-2, -0.1]}}\noutput: curve.h5\n"
+    )
+    read = cw.read_run_file(file, [], str(tmp_path / "curve.h5"))
+    curve = cw.run(read, figures=False).branches[0]
+    assert curve.info.settings["mode"] == "below"
+    assert curve.outcome.reason == "bound"
+    np.testing.assert_allclose(curve["a"], curve["F"] / (1.0 + 0.6 * curve["F"] ** 2), rtol=1e-10)
 
 
 def test_two_equilibria_end_at_a_nonsmooth_fold(study):

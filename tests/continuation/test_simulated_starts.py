@@ -84,17 +84,42 @@ def test_a_machine_with_events_that_comes_to_rest_starts_the_equilibria(start):
     assert y == pytest.approx(x / 20.0, rel=1e-14)
 
 
-def test_rest_in_another_mode_than_the_first_says_what_to_do():
+def test_rest_in_another_mode_than_the_first_starts_its_equilibria():
     def rises(t, x, p, dx):
         dx[0] = p.B
         dx[1] = -x[1]
 
     system, values = machine(Mode("flow", rises), Mode("other", node), leads="other"), {"B": 0.5}
     settings = Settings(range=(0.1, 1.0))
-    outcome = opened_orbit(system, values, "B", np.zeros(2), settings, until="settled")
+    opening = opened_orbit(system, values, "B", np.zeros(2), settings, until="settled")
+    assert not isinstance(opening, Outcome), opening.message
+    assert opening.problem.branch_facts()["settings"]["mode"] == "other"
+    x, y, _ = opening.state.sample.z
+    # The other field's x + x^3 = B, by Newton's method to rounding; the first field has no equilibrium.
+    assert x + x**3 == pytest.approx(0.5, rel=1e-14)
+    assert y == pytest.approx(x / 20.0, rel=1e-14)
+
+
+def test_rest_in_a_mode_that_lacks_a_state_says_what_to_do():
+    def rises(t, x, p, dx):
+        dx[0] = p.B
+        dx[1] = -x[1]
+
+    def decays(t, x, p, dx):
+        dx[0] = p.B - x[0]
+
+    modes = Mode("flow", rises), Mode("other", decays, states=("x",))
+    outcome = opened_orbit(
+        machine(*modes, leads="other"),
+        {"B": 0.5},
+        "B",
+        np.zeros(2),
+        Settings(range=(0.1, 1.0)),
+        until="settled",
+    )
     assert isinstance(outcome, Outcome)
     assert "comes to rest in mode 'other'" in outcome.message
-    assert "declare that mode first" in outcome.message
+    assert "in which all states exist" in outcome.message
     assert "nearer to an equilibrium" not in outcome.message
 
 

@@ -388,9 +388,9 @@ def _refuse_absent(system: System, mode: str) -> None:
     absent = [f"'{name}'" for k, name in enumerate(system.state_names) if k not in own]
     if absent:
         raise SystemDefinitionError(
-            f"An equilibrium is looked for in the first mode, '{mode}', but {', '.join(absent)} "
+            f"An equilibrium is looked for in mode '{mode}', but {', '.join(absent)} "
             f"{'does' if len(absent) == 1 else 'do'} not exist there: equilibria of such modes are not "
             "continued.",
             "For an orbit, let a motion settle (`start: {simulate: {state: {...}, until: settled}}`); for "
-            "equilibria declare a mode first in which all states exist.",
+            "equilibria name a mode in which all states exist (`start: {state: {...}, mode: NAME}`).",
         )

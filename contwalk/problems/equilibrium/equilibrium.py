@@ -69,15 +69,8 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
 
     def in_mode(self, name: str) -> Equilibrium:
         """The same problem of the field of another mode, in which all states exist."""
-        return Equilibrium(
-            self.system.beginning_in(name),
-            self.parameters,
-            self.free,
-            self.line.ends,
-            self.pins,
-            self.reference,
-            self.discretization,
-        )
+        given = self.parameters, self.free, self.line.ends, self.pins, self.reference, self.discretization
+        return Equilibrium(self.system.beginning_in(name), *given)
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -154,13 +147,8 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
             "observables": self.observable_names,
             "unknowns": self.size,
             "spectrum": max(self.states - len(self.pins), 1),
-            "settings": neutrals.kept(self.pins, self.line, self.states) | self._mode_kept(),
+            "settings": neutrals.kept(self.pins, self.line, self.states) | self.system.mode_kept,
         }
-
-    def _mode_kept(self) -> dict[str, str]:
-        """Of which mode they are, where the system has several."""
-        modes = self.system.modes
-        return {"mode": modes[0].name} if len(modes) > 1 else {}
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""

@@ -8,9 +8,8 @@ from contwalk.problems.restoring import Facts
 
 def restored(facts: Facts) -> Equilibrium:
     """The problem of a stored branch of equilibria, of the mode that it is of."""
-    mode = facts.info.settings.get("mode")
     return Equilibrium(
-        facts.system if mode is None else facts.system.beginning_in(str(mode)),
+        facts.system,
         facts.parameters,
         facts.free,
         facts.ends,

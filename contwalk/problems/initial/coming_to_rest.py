@@ -28,9 +28,9 @@ def check_moves(system: System, flow: ModeFlow, arc: MotionSegment, reached: np.
     Raises
     ------
     AtRest
-        If it has come to rest in the first mode, of which equilibria can be followed.
+        If it has come to rest in a mode of which equilibria can be followed.
     StartError
-        If it has in another one.
+        If it has in one in which not all states exist.
     """
     own, middle = flow.states, 0.5 * (arc.times[0] + arc.times[-1])
     later = arc.states[arc.times >= middle][:, own]
@@ -41,12 +41,12 @@ def check_moves(system: System, flow: ModeFlow, arc: MotionSegment, reached: np.
     fastest = float(np.max(np.abs(rates), initial=0.0))
     if not fastest > 0.0 or rates.real.max() > NEUTRAL * fastest:
         return  # it does not change anything, or creeps past a saddle
-    if flow.name == system.modes[0].name and len(own) == len(x):
-        raise AtRest(x)
+    if len(own) == len(x):
+        raise AtRest(x, flow.name)
     raise StartError(
         f"The simulation comes to rest in mode '{flow.name}' at t = {system.lasting(t)}.",
-        f"Equilibria of the first mode, '{system.modes[0].name}', are followed, if all states exist in it. "
-        "Start from a state that leads to a periodic motion, or declare that mode first.",
+        "Equilibria are followed of modes in which all states exist. Start from a state that leads to a "
+        "periodic motion, or give the mode all states.",
     )
 
 

@@ -111,14 +111,14 @@ class Simulation:
 
 
 class AtRest(StartError):
-    """A simulation has come to rest at an equilibrium, at `state`, shape (n,)."""
+    """A simulation has come to rest at an equilibrium, at `state`, shape (n,), in `mode` if that is told."""
 
-    def __init__(self, state: np.ndarray) -> None:
+    def __init__(self, state: np.ndarray, mode: str | None = None) -> None:
         super().__init__(
             "The simulation comes to rest at an equilibrium.",
             "Start with start: {state: {...}}, or simulate from a state that leads to a periodic motion.",
         )
-        self.state = state.copy()
+        self.state, self.mode = state.copy(), mode
 
 
 def recurrent(
@@ -255,7 +255,7 @@ def _checked(simulation: Simulation, run: Choice, unit: float) -> Choice:
 def _check_moves(simulation: Simulation, path: flow.Path, variation: np.ndarray, weights: np.ndarray) -> None:
     """An equilibrium is not an orbit."""
     if simulation.system.period is None and _still(variation, path.states[-1], weights):
-        raise AtRest(path.states[-1])
+        raise AtRest(path.states[-1], simulation.mode or None)
 
 
 def _still(variation: np.ndarray, state: np.ndarray, weights: np.ndarray) -> bool:

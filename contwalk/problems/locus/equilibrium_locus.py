@@ -244,6 +244,7 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
             "settings": {
                 **neutrals.kept(self.pins, self.line, self.states),
                 **self.curve.facts(),
+                **self.system.mode_kept,
                 "of_problem": "equilibrium",
             },
         }

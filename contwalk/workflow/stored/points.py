@@ -27,12 +27,15 @@ class StoredPoint:
         Of the whole orbit; NaN for an equilibrium.
     itinerary : StoredItinerary, optional
         Of a hybrid orbit.
+    mode : str, optional
+        Of an equilibrium of a machine with several.
     """
 
     state: np.ndarray
     parameters: dict[str, float]
     period: float
     itinerary: StoredItinerary | None = None
+    mode: str | None = None
 
 
 def stored_point(file: Path, point: str, system: System) -> StoredPoint:
@@ -61,7 +64,8 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
         kept = branch.info.settings
         named = str(kept.get("image", "")), tuple(kept.get("pins", ()))
         itinerary = StoredItinerary(kept["legs"], branch.info.subharmonic, unknowns, *named)
-    return StoredPoint(state, {**system.defaults(), **known}, fold * period, itinerary)
+    mode = branch.info.settings.get("mode")
+    return StoredPoint(state, {**system.defaults(), **known}, fold * period, itinerary, mode)
 
 
 def branch_of(db: FileDatabase, file: Path, point: str, system: System) -> Branch:

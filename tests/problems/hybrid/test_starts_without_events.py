@@ -84,7 +84,7 @@ def test_an_orbit_in_a_mode_that_lacks_states(tmp_path, modes, mode):
 
 def test_an_equilibrium_of_a_mode_that_lacks_states_is_refused(tmp_path):
     run = "start: {state: {x: 0.5, y: 0.0}}\ncontinue: {parameter: a, range: [0.1, 0.9]}\n"
-    with pytest.raises(SystemDefinitionError, match="first mode, 'air', but 'spring' does not exist there"):
+    with pytest.raises(SystemDefinitionError, match="mode 'air', but 'spring' does not exist there"):
         study(tmp_path, ORBITING.replace("MODES", "(AIR, GROUND)"), run)
 
 
