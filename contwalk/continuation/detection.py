@@ -379,17 +379,19 @@ def _with(located: Located, **vectors: object) -> Located:
 def _counted(segment: Segment, found: list[Found], seen: list[int]) -> list[Found]:
     """Unstable counts on both sides of each point, from samples between neighbouring points.
 
-    Between two that lie within errors of each other a sample may hide what passes at both: there it is a
-    count that was `seen` where the segment was split.
+    Between two that lie within errors of each other a sample may hide what passes at either: there it is the
+    count that both can bring about, or one of these that was `seen` where the segment was split.
     """
     if not found:
         return found
     between = [0.0, *[0.5 * (f.theta + g.theta) for f, g in pairwise(found)], 1.0]
     counts = [segment.at(t).unstable for t in between]
     for k, (f, g) in enumerate(pairwise(found), start=1):
-        if counts[k - 1] == counts[k] == counts[k + 1] and 0 not in (*f.type.changes, *g.type.changes):
-            steps = set(f.type.changes) & {-change for change in g.type.changes}
-            counts[k] = next((count for count in seen if count - counts[k] in steps), counts[k])
+        possible = {counts[k - 1] + change for change in _changes(segment, f)}
+        possible &= {counts[k + 1] - change for change in _changes(segment, g)}
+        if counts[k] not in possible:
+            likely = possible & set(seen) or possible
+            counts[k] = likely.pop() if len(likely) == 1 else counts[k]
     return [
         f if f.counted else replace(f, before=before, after=after)
         for f, (before, after) in zip(found, pairwise(counts), strict=True)

@@ -436,3 +436,19 @@ def test_a_point_that_finer_steps_have_elsewhere_is_not_the_one_on_the_segment()
     problem = line(pair(0.25), special={"HB": [near]})
     with pytest.raises(Disagreement, match="no point HB is found"):
         bifurcations(problem.segment((0.0, 0.2), (0.0, 0.3)))
+
+
+def test_two_pairs_that_pass_together_are_counted_one_after_the_other():
+    """Two oscillators of other frequencies and one growth rate, beside a state that is unstable."""
+
+    def field(t, x, p, dx):
+        for k, omega in ((0, 1.0), (2, 2.3)):
+            growth = p.mu - x[k] ** 2 - x[k + 1] ** 2
+            dx[k] = growth * x[k] - omega * x[k + 1]
+            dx[k + 1] = omega * x[k] + growth * x[k + 1]
+        dx[4] = 2.0 * x[4] - x[4] ** 3
+
+    problem = small_problem(field, "abcde", {"mu": -0.5}, "mu")
+    branch = cw.continue_branch(problem, np.zeros(5), (-0.5, 0.7))
+    found = [(p.label, p.unstable_before, p.unstable_after) for p in branch.special_points[1:-1]]
+    assert found == [("HB", 1, 3), ("HB", 3, 5)]
