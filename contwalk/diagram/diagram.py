@@ -194,12 +194,7 @@ class Diagram:
             self._grow(start, start.opening.problem, branch)
 
     def _happening(
-        self,
-        start: Start,
-        opening: Opening,
-        work: BranchInProgress,
-        stored: Stored | None,
-        allowed: Bound,
+        self, start: Start, opening: Opening, work: BranchInProgress, stored: Stored | None, allowed: Bound
     ) -> Iterator[Event]:
         """All that happens on a branch, walked here or by others ahead of its turn."""
         if self._ahead is None or stored is not None or not start.number:

@@ -14,10 +14,7 @@ from contwalk.system import System
 
 
 def reopened(
-    system: System,
-    branch: Branch,
-    point: str | int | SpecialPoint,
-    discretization: Any = None,
+    system: System, branch: Branch, point: str | int | SpecialPoint, discretization: Any = None
 ) -> tuple[Problem, Sample]:
     """The problem discretised for a stored point, and the point's sample on it, facing growing arclength.
 

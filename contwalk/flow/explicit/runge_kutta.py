@@ -17,14 +17,7 @@ from contwalk.flow.explicit import stages
 from contwalk.flow.explicit.batched_steps import MARCH_BATCHED, WORTH, Paths, marched
 from contwalk.flow.explicit.columns import aligned
 from contwalk.flow.explicit.driver_call import MARCH, Call, checked, method_of, times_of, undriven
-from contwalk.flow.explicit.explicit_call import (
-    FIRST_ROWS,
-    FULL,
-    STATUS,
-    Counts,
-    PolynomialCall,
-    StepControl,
-)
+from contwalk.flow.explicit.explicit_call import FIRST_ROWS, FULL, STATUS, Counts, PolynomialCall, StepControl
 from contwalk.flow.path import ErrorControl, Path, Tangents
 from contwalk.numerics.distinct import distinct
 
@@ -131,13 +124,7 @@ def along(field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method
 
 
 def tangents(
-    field: CompiledField,
-    c: np.ndarray,
-    times: Vector,
-    x0: Vector,
-    given: Tangents,
-    method: str,
-    every: bool,
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, given: Tangents, method: str, every: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """As `integrate.tangents`."""
     start = _tangents(field, given.start)

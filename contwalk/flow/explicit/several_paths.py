@@ -20,12 +20,7 @@ _ANSWERS = 5
 
 
 def adaptive_each(
-    field: CompiledField,
-    c: np.ndarray,
-    bounds: np.ndarray,
-    x0: np.ndarray,
-    bound: ErrorControl,
-    method: str,
+    field: CompiledField, c: np.ndarray, bounds: np.ndarray, x0: np.ndarray, bound: ErrorControl, method: str
 ) -> list[Path]:
     """As `integrate.controlled_each`."""
     paths = len(bounds)

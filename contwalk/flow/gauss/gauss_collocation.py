@@ -156,13 +156,7 @@ def errors_on(
 
 
 def tangents(
-    field: CompiledField,
-    c: np.ndarray,
-    times: Vector,
-    x0: Vector,
-    given: Tangents,
-    method: str,
-    every: bool,
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, given: Tangents, method: str, every: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """As `integrate.tangents`."""
     grid = np.asarray(times, dtype=float)

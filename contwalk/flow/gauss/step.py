@@ -147,14 +147,7 @@ def end_of(m: Points, w: Work, n: int, x: np.ndarray) -> None:
 
 @inlined
 def carry(
-    eq: Equations,
-    m: Points,
-    w: Work,
-    t: float,
-    h: float,
-    x: np.ndarray,
-    q: int,
-    sources: np.ndarray,
+    eq: Equations, m: Points, w: Work, t: float, h: float, x: np.ndarray, q: int, sources: np.ndarray
 ) -> bool:
     """Carry the tangents at x, in `w.tangents`, over the step whose increments are in `w.z`."""
     n, s = eq.n, m.s

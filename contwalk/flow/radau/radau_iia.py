@@ -157,13 +157,7 @@ def errors_on(
 
 
 def tangents(
-    field: CompiledField,
-    c: np.ndarray,
-    times: Vector,
-    x0: Vector,
-    given: Tangents,
-    method: str,
-    every: bool,
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, given: Tangents, method: str, every: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """As `integrate.tangents`."""
     x, X = np.array(x0, dtype=float), np.array(given.start, dtype=float, order="C")
@@ -218,12 +212,7 @@ class Interpolation:
     """
 
     def __init__(
-        self,
-        field: CompiledField,
-        c: np.ndarray,
-        times: Vector,
-        states: np.ndarray,
-        method: str = "radau9",
+        self, field: CompiledField, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "radau9"
     ) -> None:
         self._tableau = TABLEAUS[method]
         self._grid, self._nodes = np.asarray(times, dtype=float), np.asarray(states, dtype=float)
