@@ -13,8 +13,17 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.eigenvalues_between import PLACES, peaks
+from contwalk.continuation.hidden_pairs import decided, held, reached, undecided
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
-from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple, on_finest_steps
+from contwalk.continuation.locating import (
+    KNOWN,
+    Disagreement,
+    Found,
+    accepted,
+    locate_multiple,
+    on_finest_steps,
+)
+from contwalk.continuation.marks import FINER
 from contwalk.continuation.segment import NEAR_ZERO, LostBranch, Placed, Segment
 from contwalk.numerics import cubic
 from contwalk.numerics.bracketing import narrow
@@ -40,13 +49,14 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     touching: list[Found] = []
     for low, high, which in _dips(segment, ends, knots):
         theta, passes = _extremum(segment, which, low, high)
-        pair = _close_pair(segment, which, theta)
+        if any(abs(theta - f.theta) < 1e-3 for f in touching):  # both of a pair have one extremum
+            continue
+        together = locate_multiple(segment, theta) if not passes and _touches(segment, which, theta) else None
+        pair = [together] if together is not None else _close_pair(segment, which, theta)
         if pair is not None:
             touching += pair
         elif passes:
             knots.append(theta)
-        elif _touches(segment, which, theta) and all(abs(theta - f.theta) > 1e-3 for f in touching):
-            touching += filter(None, [locate_multiple(segment, theta)])
     if (between := _between_one_and_minus_one(segment)) is not None:
         knots.append(between)
     return sorted(set(knots)), touching
@@ -135,12 +145,15 @@ def _beyond_one(sample: Sample) -> int:
 
 
 def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | None:
-    """Two crossings so near to each other that the error of a discretisation may hide or make them.
+    """Two crossings so near to each other that errors may hide or make them.
 
-    They are looked for on the finest steps; None where the extremum is not that near to zero, or the problem
-    has no steps.
+    They are looked for on the finest steps, or by more digits; None where the extremum is not that near to
+    zero.
     """
     sample = segment.at(theta)
+    if segment.problem.meshed is None:
+        near = abs(reached(segment, sample, which)) <= KNOWN * sample.errors[which]
+        return decided(segment, which, theta) if near and not held(segment.a, which) else None
     ends = max(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
     if abs(sample.measures[which]) > max(CLOSE * ends, sample.spectrum_error or 0.0):
         return None
@@ -151,6 +164,15 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     if any(end.measures[which] * segment.a.measures[which] < 0.0 for end in (part.a, part.b)):
         return None  # beyond zero on the finest steps, too, and for longer than these look
     middle, passes = _extremum(part, which, (0.0, part.a), (1.0, part.b))
+    there = part.at(middle)
+    kind = crossed(part.problem, there, which) or kind_of_test(part.problem, Test.ORIENTATION)
+    # What is off on finer steps is a part of what these have changed.
+    left = FINER * abs(reached(segment, sample, which) - reached(part, there, which))
+    error = max(there.errors[which], left)
+    # What is held on the border touches it where two meet, and what is flat at zero tells nothing.
+    flat = any(held(end, which) or abs(reached(part, end, which)) <= error for end in (part.a, part.b))
+    if abs(reached(part, there, which)) <= error and not flat:
+        return [finer.placed(undecided(part, kind, which, middle, error))]
     if not passes:
         return []
     found = []
@@ -165,7 +187,6 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     outside = part.a.unstable
     passing = 1 if part.a.eigenvalues[which].imag == 0.0 else 2
     inside = outside + (passing if part.a.measures[which] < 0.0 else -passing)
-    kind = crossed(part.problem, part.at(middle), which) or kind_of_test(part.problem, Test.ORIENTATION)
     for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
         point = narrow(value, low, high, value(low), value(high), attempt)
         if point is None:
@@ -216,18 +237,19 @@ def _extremum(
 ) -> tuple[float, bool]:
     """Position of an extremum of measure `which`, and whether its sign differs from that at the ends."""
     sign = np.sign(low[1].measures[which])
-    least = low
+    least, place = sign * reached(segment, low[1], which), low[0]
 
     def rate(sample: Sample) -> float:
         return float(np.nan_to_num(sample.rates[which], posinf=0.0, neginf=0.0))
 
     def attempt(theta: float, left: float, right: float) -> float | None:
-        nonlocal least
+        nonlocal least, place
         sample = segment.at(theta)
-        if sign * sample.measures[which] < sign * least[1].measures[which]:
-            least = theta, sample
-        return theta if sign * sample.measures[which] < -sample.errors[which] else None
+        value = sign * reached(segment, sample, which)
+        if value < least:
+            least, place = value, theta
+        return theta if value < -sample.errors[which] else None
 
     ends = low[0], high[0], rate(low[1]), rate(high[1])
     found = narrow(lambda t: rate(segment.at(t)), *ends, attempt, width=1e-9)
-    return (found, True) if found is not None else (least[0], False)
+    return (found, True) if found is not None else (place, False)

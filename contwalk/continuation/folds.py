@@ -12,7 +12,14 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair
-from contwalk.continuation.locating import SAME_POINT, Disagreement, Found, accepted, first_accepted
+from contwalk.continuation.locating import (
+    SAME_POINT,
+    Disagreement,
+    Found,
+    accepted,
+    first_accepted,
+    unlocated,
+)
 from contwalk.continuation.segment import Segment
 from contwalk.numerics.bracketing import zero_of
 from contwalk.problems.located import TURNED
@@ -103,16 +110,13 @@ def flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[f
     sample, width = segment.at(theta), abs(float(segment.chord[-1]))
     if segment.vertical:  # every point of it solves the equations of a fold
         known = max(width, float(np.spacing(abs(sample.parameter))))
-        located = Located(sample.z, known, {"note": SECOND}, refined=False)
-        return Found(theta, kind, located, sample, kind="unlocated")
+        return unlocated(theta, kind, sample, known, SECOND)
     around = min(doubt(segment.at(low), segment.at(high), which), 1.0)
     fold = first_accepted(segment, (*kind.flat, kind), sample, which, low - around, high + around)
     if fold is not None:
         return fold
     note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."
-    return Found(
-        theta, kind, Located(sample.z, width, {"note": note}, refined=False), sample, kind="unlocated"
-    )
+    return unlocated(theta, kind, sample, width, note)
 
 
 def _refuse_jump(segment: Segment, ends: list[Sample], which: int) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -51,6 +52,12 @@ class Found:
     def label(self) -> str:
         """As it is stored."""
         return self.type.label
+
+
+def unlocated(theta: float, kind: PointType, sample: Sample, width: float, note: str, **told: Any) -> Found:
+    """What is detected at a solution and cannot be located, with the parameter known to a width."""
+    located = Located(sample.z, width, {"note": note}, refined=False)
+    return Found(theta, kind, located, sample, kind="unlocated", **told)
 
 
 class TooLong(Exception):

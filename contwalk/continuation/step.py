@@ -20,7 +20,7 @@ from contwalk.continuation.correction import Explanation, text_of
 from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.ends import edge_reached, end_ahead, up_to_end
 from contwalk.continuation.folds import at_branch_point
-from contwalk.continuation.locating import SAME_POINT, WELL_BEYOND, Disagreement, Found, TooLong
+from contwalk.continuation.locating import SAME_POINT, WELL_BEYOND, Disagreement, Found, TooLong, unlocated
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.returns import WentOver, back_at_parent
 from contwalk.continuation.segment import LostBranch, Segment
@@ -29,7 +29,7 @@ from contwalk.continuation.special_points import COINCIDE, everything, everythin
 from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import norm_in
-from contwalk.problems.problem import Linearization, Located, Problem, Sample, Test
+from contwalk.problems.problem import Linearization, Problem, Sample, Test
 
 # A family of orbits is followed to this size, in the metric, before it counts as shrunk onto its Hopf point.
 NEARLY_SHRUNK = 1e-3
@@ -178,10 +178,10 @@ def _seen_once(
     by the step that leads beyond that.
     """
     beyond = min(SAME_POINT, WELL_BEYOND * state.sample.error)
-    unlocated = [f for f in step.found if f.kind == "unlocated"] if isinstance(step, Step) else []
-    if not (unlocated and attempted.smallest and search.seen is None and attempted.length < beyond):
+    lost = [f for f in step.found if f.kind == "unlocated"] if isinstance(step, Step) else []
+    if not (lost and attempted.smallest and search.seen is None and attempted.length < beyond):
         return step
-    search.seen = unlocated[0]
+    search.seen = lost[0]
     return Refusal(attempted.correction.reason, search.seen.located.vectors["note"], instead=beyond)
 
 
@@ -378,9 +378,8 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
 def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:
     """What is detected and cannot be located is kept, between the samples that show it."""
     b = segment.b
-    width = abs(float(segment.chord[-1]))
-    located = Located(b.z, width, {"note": disagreement.sentence}, refined=False)
-    return Found(1.0, disagreement.type, located, b, segment.a.unstable, b.unstable, kind="unlocated")
+    width, counts = abs(float(segment.chord[-1])), {"before": segment.a.unstable, "after": b.unstable}
+    return unlocated(1.0, disagreement.type, b, width, disagreement.sentence, **counts)
 
 
 def _next_length(segment: Segment, attempted: Attempt, state: ContinuationState, settings: Settings) -> float:

@@ -97,8 +97,12 @@ def newton(system: DefiningSystem, start: np.ndarray, iterations: int = 25) -> n
     return u if best < 1e-7 else None
 
 
-def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
-    """Refine a float solution, shape (n,), with residuals in extended precision."""
+def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12, slowest: float = 0.5) -> Solution:
+    """Refine a float solution, shape (n,), with residuals in extended precision.
+
+    Corrections that are more than the part `slowest` of the last one do not converge. Where that is over a
+    half each is made with the Jacobian of its place: to a root that is nearly double they halve.
+    """
     import mpmath
 
     judged, sizes = slice(system.deficient), list[np.ndarray]()
@@ -111,6 +115,8 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
         try:
             inverse = system.factored(u)
             for _ in range(passes):
+                if len(sizes) and slowest > 0.5:
+                    inverse = system.factored(np.array([float(a) for a in exact]))
                 residual = system.exactly(exact)
                 correction = _solve_scaled(inverse, residual)
                 exact = [a - b for a, b in zip(exact, correction, strict=True)]
@@ -118,7 +124,7 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
                 scale = np.maximum(np.array([float(abs(a)) for a in exact]), 1e-16 * system.scale)
                 if np.all(sizes[-1][judged] <= 1e-6 * EPSILON * scale[judged]):
                     break
-                if len(sizes) > 3 and moved(-1) > 0.5 * moved(-2):
+                if len(sizes) > 3 and moved(-1) > slowest * moved(-2):
                     break
         except (np.linalg.LinAlgError, ArithmeticError, ValueError):
             return _unrefined(system, u, sizes)

@@ -133,6 +133,10 @@ class PointType:
         """The point near a sample, by its defining system; `which` is the number of the measure or margin."""
         return None
 
+    def at_level(self, problem: Any, sample: Sample, which: int, level: float) -> Located | None:
+        """The solution near a sample at which measure `which` has a level that is not zero."""
+        return None
+
     def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
         """Tangent there of the branch that `near` is on, where DF alone does not determine it; else None."""
         return None

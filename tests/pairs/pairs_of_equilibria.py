@@ -110,7 +110,8 @@ def flutter(draw: Draw) -> Case:
     stretch = float(draw.rng.uniform(1.0, 8.0))  # what the range is of the stiffness
     half = 0.5 * draw.distance * stretch
     square = damping**2 - 0.25 * damping**4 + (-1.0 if draw.near_miss else 1.0) * 0.25 * half**2
-    mu = math.sqrt(max(square, 0.0))
+    # A miss stays one where mu is rounded.
+    mu = math.sqrt(max(square, 0.0)) * (1.0 - (4.0 * np.finfo(float).eps if draw.near_miss else 0.0))
 
     def own(y: list[Any], q: Any) -> list[Any]:
         a, b, va, vb = y

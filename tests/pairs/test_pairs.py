@@ -6,16 +6,17 @@
 from __future__ import annotations
 
 import numpy as np
+import pairs_of_equilibria
 import pytest
-from pairs_form import Crossing, Draw
-from pairs_judged import judged, walked
+from pairs_form import FREE, Crossing, Draw
+from pairs_judged import BETWEEN, judged, walked
 from pairs_kinds import DIPS, KINDS, case
 
 # Of two eigenvalues, or of an eigenvalue and the parameter: each passes by itself, at any distance.
 APART = [kind for kind in KINDS if kind not in DIPS]
-FAST = [kind for kind in APART if not kind.startswith(("maps", "cycles"))] + ["LP LP"]
-# Pairs of one function in a parabola: nearer than this its depth is rounding, or what a margin is known to,
-# 1e-10: its square root.
+# Of equilibria parabolas as well, whose depth is decided by more digits where it is rounding.
+FAST = list(pairs_of_equilibria.EQUILIBRIA)
+# Parabolas of multipliers and margins: nearer than this the depth is what they are known to.
 KNOWN, KNOWN_MARGIN = 1e-6, 1e-4
 
 
@@ -25,6 +26,20 @@ def test_both_are_located_however_near(kind, seed):
     drawn = case(kind, seed)
     verdict = judged(drawn, walked(drawn))
     assert verdict.outcome == "located", verdict.text
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+@pytest.mark.parametrize("near_miss", [False, True])
+def test_a_dip_that_is_within_errors_is_one_unlocated_point_with_its_interval(seed, near_miss):
+    """Of a miss as well: what is known does not tell both from each other."""
+    drawn = case("maps BP BP", seed, near_miss)
+    assert drawn.distance < 1e-8
+    branch = walked(drawn)
+    (point,) = [point for point in branch.special_points if point.label != "EP"]
+    low, high = (float(end) for end in BETWEEN.search(point.note).groups())
+    half = 0.5 * drawn.distance * (drawn.range[1] - drawn.range[0])
+    assert point.status == "unlocated"
+    assert low < point.parameters[FREE] - half < point.parameters[FREE] + half < high
 
 
 @pytest.mark.slow

@@ -30,6 +30,9 @@ from contwalk.problems.problem import Located, Sample
 TURNING = 1e-2
 # Eigenvalues this small against what they become in a unit of arclength have vanished.
 VANISHED = 1e-12
+# Passes of Newton's method in extended precision, and what a correction may be of the last one: at a root
+# that is nearly double they halve, from the square root of a rounding to that in those digits.
+NEARLY_DOUBLE = 40, 0.75
 # What refinement may move Newton's solution by, in typical magnitudes.
 LEFT = 1e-3
 
@@ -57,6 +60,8 @@ def solve(
 
     def refined() -> Located | None:
         solution = refine(system, found)
+        if not solution.refined:
+            solution = refine(system, start, *NEARLY_DOUBLE)
         moved = np.abs(solution.values - found) if solution.refined else solution.errors
         moved = moved / np.maximum(np.abs(found), system.scale)
         # Refinement that ends elsewhere, or nowhere near, has left the neighbourhood of Newton's solution.

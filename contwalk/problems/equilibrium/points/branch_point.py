@@ -15,7 +15,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import EPSILON, Factored, bordered_by, critical_pair, deficiency, norm_in
 from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.equilibrium.defining_systems import dot, solve
+from contwalk.problems.equilibrium.defining_systems import dot, real_eigenvalue, solve
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import SURE, Forms, critical_vectors, rounded
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
@@ -37,6 +37,10 @@ class BranchPoint(EquilibriumPoint):
     def locate(self, problem: EquilibriumEquations, sample: Sample, which: int) -> Located | None:
         """The branch point near a sample."""
         return branch_point(problem, sample)
+
+    def at_level(self, problem: Any, sample: Sample, which: int, level: float) -> Located | None:
+        """Where the real eigenvalue is `level`."""
+        return real_eigenvalue(problem, sample, level)
 
     def tangent(self, problem: EquilibriumEquations, located: Located, near: Sample) -> np.ndarray | None:
         """Of the two tangents there, that of the branch that `near` is on, shape (N + 1,)."""

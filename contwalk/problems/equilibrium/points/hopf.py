@@ -40,6 +40,10 @@ class Hopf(EquilibriumPoint):
         """The Hopf point near a sample."""
         return hopf(problem, sample, which)
 
+    def at_level(self, problem: Any, sample: Sample, which: int, level: float) -> Located | None:
+        """Where the real part is `level`."""
+        return hopf(problem, sample, which, level)
+
     def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """The first Lyapunov coefficient, and the side to which cycles are born."""
         try:
