@@ -169,10 +169,14 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     # What is off on finer steps is a part of what these have changed.
     left = FINER * abs(reached(segment, sample, which) - reached(part, there, which))
     error = max(there.errors[which], left)
+
+    def known(sample: Sample) -> bool:
+        return abs(reached(part, sample, which)) > error
+
     # What is held on the border touches it where two meet, and what is flat at zero tells nothing.
-    flat = any(held(end, which) or abs(reached(part, end, which)) <= error for end in (part.a, part.b))
-    if abs(reached(part, there, which)) <= error and not flat:
-        return [finer.placed(undecided(part, kind, which, middle, error))]
+    flat = any(held(end, which) or not known(end) for end in (part.a, part.b))
+    if not flat and not known(there):
+        return [finer.placed(undecided(part, kind, middle, known))]
     if not passes:
         return []
     found = []

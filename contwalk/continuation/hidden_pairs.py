@@ -7,7 +7,7 @@ what w^2 is at zero: it is negative where the measure turns back before.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -53,8 +53,12 @@ def decided(segment: Segment, which: int, theta: float) -> list[Found]:
     kind = crossed(segment.problem, sample, which) or kind_of_test(segment.problem, Test.ORIENTATION)
     way = float(np.sign(segment.a.measures[which]))
     places = [_places(segment, kind, which, theta, way * part * sample.errors[which]) for part in LEVELS]
+
+    def known(beside: Sample) -> bool:
+        return abs(reached(segment, beside, which)) > sample.errors[which]
+
     if not all(len(sides) == 2 for sides in places):
-        return [undecided(segment, kind, which, theta, sample.errors[which])]
+        return [undecided(segment, kind, theta, known)]
     first, second, third = (0.25 * (high[0] - low[0]) ** 2 for low, high in places)
     square = (4.0 * first - second) / 3.0
     # What the parabola of the farther two levels says otherwise, and what places are rounded to.
@@ -71,7 +75,7 @@ def decided(segment: Segment, which: int, theta: float) -> list[Found]:
             found[segment.position(point.located.z)] = point
     begin, end = min(found, default=0.0), max(found, default=0.0)
     if not end - begin > rounded:
-        return [undecided(segment, kind, which, theta, sample.errors[which])]
+        return [undecided(segment, kind, theta, known)]
     inside = outside - int(way) * (1 if sample.eigenvalues[which].imag == 0.0 else 2)
     return [
         replace(found[begin], theta=begin, before=outside, after=inside, counted=True),
@@ -90,23 +94,18 @@ def _places(segment: Segment, kind: PointType, which: int, theta: float, level: 
 
 
 def _beside(segment: Segment, theta: float) -> Iterator[tuple[Sample, Sample]]:
-    """Solutions on both sides of a place, farther and farther away, and the ends."""
+    """Solutions on both sides of a place, farther and farther away."""
     apart = np.sqrt(EPSILON)
     while apart < min(theta, 1.0 - theta):
         yield segment.at(theta - apart), segment.at(theta + apart)
         apart *= 2.0
-    yield segment.a, segment.b
 
 
-def undecided(segment: Segment, kind: PointType, which: int, theta: float, error: float) -> Found:
-    """One unlocated point for two crossings that the error of a measure may hide, or make.
-
-    They are between the nearest solutions at which it is known from zero.
-    """
-    count = segment.a.unstable
+def undecided(segment: Segment, kind: PointType, theta: float, known: Callable[[Sample], bool]) -> Found:
+    """One unlocated point for two that errors may hide, or make: between the nearest that are `known`."""
     sides = next(
-        s for s in _beside(segment, theta) if all(abs(reached(segment, each, which)) > error for each in s)
+        (sides for sides in _beside(segment, theta) if all(map(known, sides))), (segment.a, segment.b)
     )
     first, last = sorted(side.parameter for side in sides)
-    told = {"before": count, "after": count, "counted": True}
+    told = {"before": segment.a.unstable, "after": segment.a.unstable, "counted": True}
     return unlocated(theta, kind, segment.at(theta), last - first, DOUBTFUL.format(first, last), **told)

@@ -14,7 +14,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.locating import Disagreement, Found, Subsegment, accepted
+from contwalk.continuation.hidden_pairs import undecided
+from contwalk.continuation.locating import Disagreement, Found, Subsegment, accepted, known_to
 from contwalk.continuation.segment import NEAR_ZERO, LostBranch, Placed, Segment, looked_for
 from contwalk.numerics import cubic
 from contwalk.numerics.bracketing import narrow
@@ -50,7 +51,11 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     Disagreement, LostBranch
         If one is passed and cannot be located.
     """
-    for place in dips(segment, ROUNDED):
+    doubtful: list[Found] = []
+    for place, which, sure in dips(segment, max(ROUNDED, known_to(segment))):
+        if not sure:
+            doubtful.append(_undecided(segment, which, place))
+            continue
         before = Subsegment(segment.until(place), (0.0, place))
         behind = Subsegment(segment.since(place), (place, 1.0))
         points = [before.placed(point) for point in passed(before.part, begins)]
@@ -86,7 +91,18 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     for which, reason in lost.items():  # told by the leg that vanishes where they pass zero
         if not any(which in point.located.vectors.get("vanishing", ()) for point in found):
             raise reason
-    return sorted(found, key=lambda f: f.theta)
+    return sorted([*found, *doubtful], key=lambda f: f.theta)
+
+
+def _undecided(segment: Segment, which: int, place: float) -> Found:
+    """What is told of a margin that comes as near to zero as it is known, and turns back."""
+
+    def known(sample: Sample) -> bool:
+        return bool(abs(sample.margins[which]) > max(ROUNDED, known_to(segment)))
+
+    point = undecided(segment, limits_of(segment.problem)[which].type, place, known)
+    vectors = {**point.located.vectors, "limit": which, ENTERED: True}
+    return replace(point, located=replace(point.located, vectors=vectors))
 
 
 def _with_way(located: Located, limit: Limit, first: float, last: float) -> Located:
@@ -268,10 +284,11 @@ def up_to(problem: Problem, found: list[Found], end: Found, events: Mapping[str,
     return [*before, end]
 
 
-def dips(segment: Segment, rounded: float) -> Iterator[float]:
-    """Places at which a margin has another sign than at both ends, by more than what is `rounded` of it.
+def dips(segment: Segment, known: float) -> Iterator[tuple[float, int, bool]]:
+    """Places at which a margin may have another sign than at both ends, its number, and whether it has.
 
-    One that is larger than the step is long would have to change faster than anything that is watched.
+    It has by more than it is `known` to; nearer to zero it is not sure. One that is larger than the step is
+    long would have to change faster than anything that is watched.
 
     Raises
     ------
@@ -282,14 +299,18 @@ def dips(segment: Segment, rounded: float) -> Iterator[float]:
     if len(a) != len(b) or segment.problem.limited is None:
         return
     with np.errstate(invalid="ignore"):
-        near = (a * b > 0.0) & (np.minimum(np.abs(a), np.abs(b)) < segment.length)
+        least = np.minimum(np.abs(a), np.abs(b))
+        near = (a * b > 0.0) & (least < segment.length) & (least > known)
     for which in np.flatnonzero(near).tolist():
-        place = next(_passing(segment, which, float(np.sign(a[which])), rounded), None)
-        if place is not None:
-            yield place
+        sign = float(np.sign(a[which]))
+        place = next(_passing(segment, which, sign, known), None)
+        margins = {theta: sign * float(segment.at(theta).margins[which]) for theta in segment.places}
+        nearest = min(margins, key=margins.__getitem__)
+        if place is not None or margins[nearest] <= known:
+            yield (nearest if place is None else place), which, place is not None
 
 
-def _passing(segment: Segment, which: int, sign: float, rounded: float) -> Iterator[float]:
+def _passing(segment: Segment, which: int, sign: float, known: float) -> Iterator[float]:
     """Places at which a margin that has a sign at both ends of a segment has the other one."""
 
     def place(low: Placed, high: Placed) -> float | None:
@@ -310,7 +331,7 @@ def _passing(segment: Segment, which: int, sign: float, rounded: float) -> Itera
         return float(places[0, at]) if least[at] < NEAR_ZERO * min(values) else None
 
     def passes(sample: Sample) -> bool:
-        return sign * float(sample.margins[which]) < -rounded
+        return sign * float(sample.margins[which]) < -known
 
     return looked_for(segment, (0.0, segment.a), (1.0, segment.b), place, passes)
 

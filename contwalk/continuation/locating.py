@@ -147,7 +147,7 @@ def _accepted(
 def _far_from(segment: Segment, settled: Located, located: Located) -> bool:
     """Whether finer steps have led to another point than the one that was found on the segment's own."""
     moved = norm_in(settled.z - located.z, segment.weights)
-    return moved > segment.length + WELL_BEYOND * _known_to(segment)
+    return moved > segment.length + WELL_BEYOND * known_to(segment)
 
 
 def first_accepted(
@@ -176,19 +176,19 @@ def _on_branch(
     offset = 1e-2 if kind.test is Test.TOGETHER else max(1e-3 * width, 1e-7)
     if segment.problem.meshed is not None:
         # Solutions beside it are known the less, the weaker the nonlinearity that holds them.
-        known = max(SAME_POINT, WELL_BEYOND * _known_to(segment))
+        known = max(SAME_POINT, WELL_BEYOND * known_to(segment))
         offset = max(offset, min(known / segment.length, FARTHEST))
     return passes_through(segment, located.z, tangent, theta, offset)
 
 
-def _known_to(segment: Segment) -> float:
+def known_to(segment: Segment) -> float:
     """The larger error of a segment's ends, in the metric; that of a branch point is not known."""
     return float(np.max(np.nan_to_num([segment.a.error, segment.b.error], nan=0.0)))
 
 
 def _blurred(segment: Segment, most: float) -> float:
     """Part of a segment that its ends are known to, and at most so much: no place on it is known better."""
-    return min(_known_to(segment) / segment.length, most)
+    return min(known_to(segment) / segment.length, most)
 
 
 def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: float, offset: float) -> bool:
