@@ -72,10 +72,7 @@ def folds_of_cycles(problem: Any, point: SpecialPoint) -> Sequence[Seed]:
 
 
 def _found_beside(
-    problem: Any,
-    z: np.ndarray,
-    born: Callable[[np.ndarray, float], Seed | None],
-    lengths: Sequence[float],
+    problem: Any, z: np.ndarray, born: Callable[[np.ndarray, float], Seed | None], lengths: Sequence[float]
 ) -> Sequence[Seed]:
     """As `born_beside`, of a curve of Hopf points."""
     there = problem.at(z)

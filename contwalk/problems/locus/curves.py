@@ -15,13 +15,7 @@ import numpy as np
 
 from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.branch_points import branch_point
-from contwalk.problems.locus.conditions import (
-    Condition,
-    Level,
-    Pair,
-    ParameterAt,
-    Zero,
-)
+from contwalk.problems.locus.conditions import Condition, Level, Pair, ParameterAt, Zero
 from contwalk.problems.locus.plane import Plane
 
 MARKED = "UZ"

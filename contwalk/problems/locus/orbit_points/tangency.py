@@ -40,10 +40,7 @@ def coefficients(problem: Any, there: Any, own: np.ndarray, second: float, label
     (curve, slope, error), (grazing, _, error_of_grazing) = bends
     name, other = problem.plane.free
     found = 0.5 * (curve - grazing)
-    told = {
-        f"tangency_{name}": found,
-        f"tangency_{name}_error": 0.5 * (error + error_of_grazing),
-    }
+    told = {f"tangency_{name}": found, f"tangency_{name}_error": 0.5 * (error + error_of_grazing)}
     if slope != 0.0:
         told[f"tangency_{other}"] = -found / slope**3
     return {
