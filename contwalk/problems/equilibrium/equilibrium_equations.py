@@ -280,12 +280,7 @@ class EquilibriumEquations(Problem):
         return np.where(rounding + sizes > 0.0, terms, 0.0)
 
     def _magnitudes(
-        self,
-        z: np.ndarray,
-        derivatives: np.ndarray,
-        shares: np.ndarray,
-        some: np.ndarray,
-        terms: np.ndarray,
+        self, z: np.ndarray, derivatives: np.ndarray, shares: np.ndarray, some: np.ndarray, terms: np.ndarray
     ) -> np.ndarray:
         """Typical magnitudes of z, shape (N + 1,); NaN where neither z nor the equations tell.
 
@@ -309,12 +304,7 @@ class EquilibriumEquations(Problem):
         return self._near(z, far, derivatives, terms, natural) if far.any() else natural
 
     def _near(
-        self,
-        z: np.ndarray,
-        far: np.ndarray,
-        derivatives: np.ndarray,
-        terms: np.ndarray,
-        natural: np.ndarray,
+        self, z: np.ndarray, far: np.ndarray, derivatives: np.ndarray, terms: np.ndarray, natural: np.ndarray
     ) -> np.ndarray:
         """Magnitudes with those looked at again that are far larger than what they are of.
 

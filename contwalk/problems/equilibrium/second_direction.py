@@ -7,13 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.numerics.linear import (
-    Factored,
-    bordered_by,
-    critical_pair,
-    deficiency,
-    solution_plane,
-)
+from contwalk.numerics.linear import Factored, bordered_by, critical_pair, deficiency, solution_plane
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Seed
 

@@ -275,11 +275,7 @@ def reached(near: Eliminated, z: np.ndarray, roughly: bool = False) -> Eliminate
 
 
 def corrected(
-    explicit: Kind,
-    grouping: Grouping,
-    z: np.ndarray,
-    soft: np.ndarray,
-    roughly: bool = False,
+    explicit: Kind, grouping: Grouping, z: np.ndarray, soft: np.ndarray, roughly: bool = False
 ) -> Eliminated[Kind] | None:
     """The explicit orbit over z; None where Newton's method finds none, or one that runs backwards.
 

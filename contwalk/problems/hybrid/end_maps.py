@@ -149,10 +149,7 @@ def functions_at_end(passage: Passage) -> list[tuple[str, Written]]:
     before = None if transition is None else transition.reset
     if transition is not None and before is not None:
         found.append((f"the reset of transition '{transition.name}'", before))
-    for name in (
-        None if transition is None else transition.relabel,
-        *passage.closing.images,
-    ):
+    for name in (None if transition is None else transition.relabel, *passage.closing.images):
         if name:
             before = after(passage.system.symmetry(name).map, before)
             found.append((f"the map of symmetry '{name}'", before))

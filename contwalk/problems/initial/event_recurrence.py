@@ -91,13 +91,7 @@ def recurrence_from(
 
 
 def _motion(
-    machine: HybridMachine,
-    t: float,
-    x: np.ndarray,
-    mode: str,
-    last: str | None,
-    search: Search,
-    end: float,
+    machine: HybridMachine, t: float, x: np.ndarray, mode: str, last: str | None, search: Search, end: float
 ) -> Iterator[MotionSegment]:
     """Arcs of the motion until `end`, in stretches short enough to notice that nothing happens.
 
