@@ -52,14 +52,19 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
         If one is passed and cannot be located.
     """
     doubtful: list[Found] = []
-    for place, which, sure in dips(segment, max(ROUNDED, known_to(segment))):
+    for place, which, sure in dips(segment, ROUNDED, known_to(segment)):
         if not sure:
             doubtful.append(_undecided(segment, which, place))
             continue
         before = Subsegment(segment.until(place), (0.0, place))
         behind = Subsegment(segment.since(place), (place, 1.0))
         points = [before.placed(point) for point in passed(before.part, begins)]
-        return points + [behind.placed(point) for point in passed(behind.part, begins=False)]
+        points += [behind.placed(point) for point in passed(behind.part, begins=False)]
+        pair = [point for point in points if point.located.vectors["limit"] == which]
+        if len(pair) == 2 and not _apart(*pair):
+            points = [point for point in points if point.located.vectors["limit"] != which]
+            points.append(_undecided(segment, which, place))
+        return points + doubtful
     limited, a, b = segment.problem.limited, segment.a, segment.b
     if limited is None:
         return []
@@ -92,6 +97,12 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
         if not any(which in point.located.vectors.get("vanishing", ()) for point in found):
             raise reason
     return sorted([*found, *doubtful], key=lambda f: f.theta)
+
+
+def _apart(one: Found, other: Found) -> bool:
+    """Whether two located points are two, by what the parameter is known to at them."""
+    away = abs(one.sample.parameter - other.sample.parameter)
+    return away > one.located.error + other.located.error
 
 
 def _undecided(segment: Segment, which: int, place: float) -> Found:
@@ -284,11 +295,11 @@ def up_to(problem: Problem, found: list[Found], end: Found, events: Mapping[str,
     return [*before, end]
 
 
-def dips(segment: Segment, known: float) -> Iterator[tuple[float, int, bool]]:
+def dips(segment: Segment, rounded: float, known: float) -> Iterator[tuple[float, int, bool]]:
     """Places at which a margin may have another sign than at both ends, its number, and whether it has.
 
-    It has by more than it is `known` to; nearer to zero it is not sure. One that is larger than the step is
-    long would have to change faster than anything that is watched.
+    It has by more than what is `rounded` of it; where it comes as near to zero as it is `known` that is not
+    sure. One that is larger than the step is long would have to change faster than anything that is watched.
 
     Raises
     ------
@@ -300,17 +311,17 @@ def dips(segment: Segment, known: float) -> Iterator[tuple[float, int, bool]]:
         return
     with np.errstate(invalid="ignore"):
         least = np.minimum(np.abs(a), np.abs(b))
-        near = (a * b > 0.0) & (least < segment.length) & (least > known)
+        near = (a * b > 0.0) & (least < segment.length) & (least > rounded)
     for which in np.flatnonzero(near).tolist():
         sign = float(np.sign(a[which]))
-        place = next(_passing(segment, which, sign, known), None)
+        place = next(_passing(segment, which, sign, rounded), None)
         margins = {theta: sign * float(segment.at(theta).margins[which]) for theta in segment.places}
         nearest = min(margins, key=margins.__getitem__)
-        if place is not None or margins[nearest] <= known:
+        if place is not None or margins[nearest] <= max(rounded, known) < least[which]:
             yield (nearest if place is None else place), which, place is not None
 
 
-def _passing(segment: Segment, which: int, sign: float, known: float) -> Iterator[float]:
+def _passing(segment: Segment, which: int, sign: float, rounded: float) -> Iterator[float]:
     """Places at which a margin that has a sign at both ends of a segment has the other one."""
 
     def place(low: Placed, high: Placed) -> float | None:
@@ -331,7 +342,7 @@ def _passing(segment: Segment, which: int, sign: float, known: float) -> Iterato
         return float(places[0, at]) if least[at] < NEAR_ZERO * min(values) else None
 
     def passes(sample: Sample) -> bool:
-        return sign * float(sample.margins[which]) < -known
+        return sign * float(sample.margins[which]) < -rounded
 
     return looked_for(segment, (0.0, segment.a), (1.0, segment.b), place, passes)
 
