@@ -107,5 +107,5 @@ def undecided(segment: Segment, kind: PointType, theta: float, known: Callable[[
         (sides for sides in _beside(segment, theta) if all(map(known, sides))), (segment.a, segment.b)
     )
     first, last = sorted(side.parameter for side in sides)
-    told = {"before": segment.a.unstable, "after": segment.a.unstable, "counted": True}
-    return unlocated(theta, kind, segment.at(theta), last - first, DOUBTFUL.format(first, last), **told)
+    counts = {"before": segment.a.unstable, "after": segment.a.unstable, "counted": True}
+    return unlocated(theta, kind, segment.at(theta), last - first, DOUBTFUL.format(first, last), **counts)

@@ -54,10 +54,12 @@ class Found:
         return self.type.label
 
 
-def unlocated(theta: float, kind: PointType, sample: Sample, width: float, note: str, **told: Any) -> Found:
+def unlocated(
+    theta: float, kind: PointType, sample: Sample, width: float, note: str, **further: Any
+) -> Found:
     """What is detected at a solution and cannot be located, with the parameter known to a width."""
     located = Located(sample.z, width, {"note": note}, refined=False)
-    return Found(theta, kind, located, sample, kind="unlocated", **told)
+    return Found(theta, kind, located, sample, kind="unlocated", **further)
 
 
 class TooLong(Exception):
