@@ -34,6 +34,12 @@ def bautin(t, x, p, dx):
     dx[1] = 3.0 * x[0] + growth * x[1]
 
 
+def centre(t, x, p, dx):
+    """Hopf points where mu = b; with u = x - b, u'' = u u' / (2 b) - u, which reversed in u is itself."""
+    dx[0] = -0.5 * x[0] + x[1] + x[0] ** 2 / (4.0 * p.b)
+    dx[1] = p.mu - x[0]
+
+
 def zero_hopf(t, x, p, dx):
     """Folds where b1 = 0, Hopf points where b1 = -(b2 / theta)^2; they meet in (0, 0)."""
     r = x[1] ** 2 + x[2] ** 2
@@ -140,6 +146,15 @@ def test_two_generalized_hopf_points_within_a_step() -> None:
     found = curve(bautin, ["x", "y"], "HB", "mu", {"mu": -0.5, "beta": 1.2, "gap": 1e-6}, ranges)
     points = labelled(found, *TWO)
     assert sorted(at(point, "beta")[0] for point in points) == pytest.approx([-1e-3, 1e-3], rel=1e-12)
+
+
+def test_a_curve_of_centres_has_no_generalized_hopf_points() -> None:
+    """The first Lyapunov coefficient is zero all along, which rounding of its terms is of either sign."""
+    ranges = {"mu": (-1.0, 1.0), "b": (0.1, 2.0)}
+    found = curve(centre, ["x", "y"], "HB", "mu", {"mu": 0.0, "b": 0.5}, ranges)
+    np.testing.assert_allclose(found["mu"], found["b"], rtol=1e-13)
+    assert (found["b"].min(), found["b"].max()) == pytest.approx((0.1, 1.0), rel=1e-13)
+    assert not labelled(found, *TWO)
 
 
 @pytest.mark.drawn(1)

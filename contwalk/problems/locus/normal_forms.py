@@ -44,16 +44,26 @@ def lyapunov_numerator(place: Place, found: Critical, kappa: Any) -> Any:
     omega = root(kappa)
     q, p = at_frequency(found, omega)
     p = p / (p @ (place.plane.finite * q))
-    return (p @ _cubic(place, q, omega)[0]).real
+    return (p @ sum(_cubic(place, q, omega)[0])).real
 
 
-def _cubic(place: Place, q: np.ndarray, omega: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What drives w |w|^2, with h11 and h20."""
+def lyapunov_known(place: FloatPlace, found: Critical, kappa: float) -> float:
+    """`lyapunov_numerator`; zero where it is rounding of its terms, as all along a curve of centres."""
+    omega = root(kappa)
+    q, p = at_frequency(found, omega)
+    p = p / (p @ (place.plane.finite * q))
+    terms = _cubic(place, q, omega)[0]
+    value, size = float((p @ sum(terms)).real), sum(float(np.abs(p) @ np.abs(term)) for term in terms)
+    return value if abs(value) > VANISHES * size else 0.0
+
+
+def _cubic(place: Place, q: np.ndarray, omega: Any) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
+    """The terms of what drives w |w|^2, with h11 and h20."""
     conjugate = np.conj(q)
     h11 = -place.solver(place.matrix)(_real(place.second(q, conjugate)))
     h20 = place.solver(_shifted(place, 2.0 * omega))(place.second(q, q))
     third = place.third(q, q, conjugate)
-    return third + 2 * place.second(q, h11) + place.second(conjugate, h20), h11, h20
+    return [third, 2 * place.second(q, h11), place.second(conjugate, h20)], h11, h20
 
 
 def _shifted(place: Place, omega: Any) -> np.ndarray:
@@ -166,7 +176,7 @@ def hopf_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, An
     """l1 of a Hopf point z, shape (N + 2,); kappa is omega squared."""
     place = FloatPlace(plane, z)
     q, p, omega = _pair(place, kappa)
-    l1 = float((p @ _cubic(place, q, omega)[0]).real) / (2.0 * omega)
+    l1 = float((p @ sum(_cubic(place, q, omega)[0])).real) / (2.0 * omega)
     convention = "Kuznetsov 2004, eq. 5.34: l1 = Re(c1)/omega with <q,q> = 1, <p,q> = 1"
     return {"l1": l1, "omega": omega, "convention": convention}
 
@@ -178,7 +188,7 @@ def cubic_rate(plane: Plane, z: np.ndarray, kappa: float) -> float:
     """
     place = FloatPlace(plane, z)
     q, p, omega = _pair(place, kappa)
-    return 0.5 * float((p @ _cubic(place, q, omega)[0]).real)
+    return 0.5 * float((p @ sum(_cubic(place, q, omega)[0])).real)
 
 
 def bautin_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, Any]:
@@ -190,7 +200,8 @@ def bautin_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, 
     q, p, omega = _pair(place, kappa)
     c, several = np.conj(q), place.several
     conj, second, third = np.conj, place.second, place.third
-    drive, h11, h20 = _cubic(place, q, omega)
+    terms, h11, h20 = _cubic(place, q, omega)
+    drive = sum(terms)
     h02 = conj(h20)
     twice, triple = (Factored(_shifted(place, times * omega)).solve for times in (2.0, 3.0))
     inverse = Factored(place.matrix).solve
@@ -275,7 +286,7 @@ def double_hopf_coefficients(plane: Plane, z: np.ndarray, kappas: Sequence[float
     fast, slow = (_pair(place, kappa) for kappa in sorted(kappas, reverse=True))
     numbers: dict[str, Any] = {}
     for name, (q, p, omega) in (("p11", fast), ("p22", slow)):
-        numbers[name] = 0.5 * float((p @ _cubic(place, q, omega)[0]).real)
+        numbers[name] = 0.5 * float((p @ sum(_cubic(place, q, omega)[0])).real)
     for name, own, other in (("p12", fast, slow), ("p21", slow, fast)):
         numbers[name] = float((own[1] @ _mixed(place, own, other)).real)
     numbers["omega_1"], numbers["omega_2"] = fast[2], slow[2]

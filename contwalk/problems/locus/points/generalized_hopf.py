@@ -11,7 +11,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import Critical
-from contwalk.problems.locus.normal_forms import bautin_coefficients, lyapunov_numerator
+from contwalk.problems.locus.normal_forms import bautin_coefficients, lyapunov_known, lyapunov_numerator
 from contwalk.problems.locus.plane import FloatPlace
 from contwalk.problems.locus.points.point import LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
@@ -31,7 +31,7 @@ class GeneralizedHopf(LocusPoint):
         found: Critical = problem.augmented.told(place, [kappa])[0]
         try:
             with np.errstate(divide="ignore", invalid="ignore"):  # where p and q are orthogonal: a pole too
-                return float(lyapunov_numerator(place, found, kappa))
+                return lyapunov_known(place, found, float(kappa))
         except np.linalg.LinAlgError:
             return float("nan")  # at a zero eigenvalue itself
 
