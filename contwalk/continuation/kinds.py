@@ -27,10 +27,8 @@ def kind_of_test(problem: Problem, test: Test) -> PointType:
 
 def crossed(problem: Problem, sample: Sample, which: int) -> PointType | None:
     """The kind of point at which stability measure `which` passes zero; None where other tests tell it."""
-    for kind in problem.point_types:
-        if kind.test is Test.STABILITY and kind.tells(problem, sample, which):
-            return kind
-    return None
+    kinds = kinds_of_test(problem, Test.STABILITY)
+    return next((kind for kind in kinds if kind.tells(problem, sample, which)), None)
 
 
 def pair(problem: Problem) -> PointType:
