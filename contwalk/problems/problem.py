@@ -27,6 +27,7 @@ from contwalk.problems.located import Located
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.point_test import Test
 from contwalk.problems.sample import Sample
+from contwalk.system.special_points import KindOfPoint
 
 __all__ = [
     "MAX_ABS",
@@ -79,13 +80,11 @@ class Seed:
     other_side: np.ndarray | None = None
 
 
-class PointType:
+class PointType(KindOfPoint):
     """A kind of special point; one object serves all problems of a class.
 
     Attributes
     ----------
-    label : str
-        As it is stored; several kinds may share one.
     test : Test
     changes : tuple of int
         Changes of the unstable count that a point of this kind can bring about.
@@ -107,7 +106,6 @@ class PointType:
         Whether `value` asks of a sample nothing but z and tangent, and then costs as much as a solution.
     """
 
-    label: ClassVar[str]
     test: ClassVar[Test]
     changes: ClassVar[tuple[int, ...]] = (0,)
     singular: ClassVar[bool] = False

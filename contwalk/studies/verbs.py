@@ -130,7 +130,7 @@ def switch_branch(
 def _left(problem: Problem) -> str:
     """The points that other branches leave, in words."""
     kinds = {kind.label: None for kind in problem.point_types if kind.daughters}
-    *others, last = (f"{MEANINGS[label]}s ({label})" for label in kinds)
+    *others, last = (f"{MEANINGS.get(label, 'point')}s ({label})" for label in kinds)
     return f"{', '.join(others)} and {last}" if others else last
 
 

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from itertools import combinations
 from typing import Any
 
 from contwalk.errors import SystemDefinitionError
+from contwalk.labels import EVERY_MEANING
 from contwalk.system.declared import Declared
 from contwalk.system.modes import Mode, Transition
 from contwalk.system.names import COLUMN_OF_SPECTRUM, RESERVED, article, is_number, nearest, shown
+from contwalk.system.special_points import KindOfPoint
 from contwalk.system.symmetries import Conserved, Neutral, Symmetry
 
 
 def _identity(entry: Any) -> tuple[str, str]:
     """What no two declarations of a kind may share: a name, of transitions with the mode they leave."""
+    if isinstance(entry, KindOfPoint):  # several may share a label
+        return type(entry).__name__, ""
     return entry.name, entry.source if isinstance(entry, Transition) else ""
 
 
@@ -49,6 +54,28 @@ def entries_of(system: Declared, what: str, kind: type) -> tuple[Any, ...]:
             f"System '{system.name}': {what} has '{twice[0][0]}' twice{where}.", "Names must differ."
         )
     return entries
+
+
+def check_labels(system: Declared) -> None:
+    """Refuse kinds of special points whose labels are none, or mean something else already.
+
+    Raises
+    ------
+    SystemDefinitionError
+    """
+    for kind in system.point_types:
+        label = getattr(kind, "label", None)
+        if not isinstance(label, str) or not re.fullmatch("[A-Z]{2,8}", label):
+            raise SystemDefinitionError(
+                f"System '{system.name}': the label of {type(kind).__name__} is {shown(label)}.",
+                'Write two to eight capital letters, as in label = "SQ".',
+            )
+        if label in EVERY_MEANING:
+            raise SystemDefinitionError(
+                f"System '{system.name}': {label}, the label of {type(kind).__name__}, is that of every "
+                f"{EVERY_MEANING[label]}.",
+                f"Choose another one; taken are {', '.join(EVERY_MEANING)}.",
+            )
 
 
 def check_references(system: Declared) -> None:

@@ -7,13 +7,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from dataclasses import field as attribute
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 from contwalk.system.modes import Condition, Mode, Transition
 from contwalk.system.observables import Observable, Signal
+from contwalk.system.special_points import KindOfPoint
 from contwalk.system.starts import Start, Study
 from contwalk.system.symmetries import Conserved, Neutral, Symmetry
 from contwalk.system.variables import ConservedValue, Parameter, State
+
+Kind = TypeVar("Kind", bound=KindOfPoint)
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,7 @@ class Declared:
     study: Study | None = None
     conserved: tuple[Conserved, ...] = ()
     fallen: Callable[..., float] | None = None
+    point_types: tuple[KindOfPoint, ...] = ()
 
     @cached_property
     def state_names(self) -> tuple[str, ...]:
@@ -66,6 +70,10 @@ class Declared:
     def acting(self) -> tuple[Transition, ...]:
         """The transitions that do something: all but the watched ones."""
         return tuple(transition for transition in self.transitions if transition.role != "watched")
+
+    def point_types_of(self, kind: type[Kind]) -> tuple[Kind, ...]:
+        """The kinds of special points of its own that are of a class: of equilibria, or of orbits."""
+        return tuple(own for own in self.point_types if isinstance(own, kind))
 
     @property
     def has_events(self) -> bool:

@@ -12,12 +12,13 @@ import numpy as np
 
 from contwalk.errors import StartError, SystemDefinitionError, called
 from contwalk.memory import memory_of, remembered
-from contwalk.system.checks import check_presets, check_references, entries_of
+from contwalk.system.checks import check_labels, check_presets, check_references, entries_of
 from contwalk.system.declared import Declared, with_conserved
 from contwalk.system.modes import Condition, Mode, Transition
 from contwalk.system.names import SPLIT, is_number, nearest, require_callable, require_name, require_texts
 from contwalk.system.observables import Observable, Signal, with_extremes
 from contwalk.system.parameter_values import ParameterValues
+from contwalk.system.special_points import KindOfPoint
 from contwalk.system.starts import Start
 from contwalk.system.symmetries import Conserved, Neutral, Symmetry
 from contwalk.system.units import lasting, time_unit
@@ -35,6 +36,7 @@ _TUPLES: dict[str, type] = {
     "conditions": Condition,
     "signals": Signal,
     "conserved": Conserved,
+    "point_types": KindOfPoint,
 }
 
 
@@ -46,7 +48,7 @@ class System(Declared):
     ----------
     name : str
     states, parameters, modes, transitions, symmetries, neutral, observables, starts, conditions : tuple
-    signals, conserved : tuple
+    signals, conserved, point_types : tuple
         The declarations of this module.
     period : callable, optional
         `period(p)`, in seconds, of the forcing of a time-periodic system.
@@ -75,6 +77,7 @@ class System(Declared):
             require_callable(f"draw of system '{self.name}'", self.draw)
         if self.fallen is not None:
             require_callable(f"fallen of system '{self.name}'", self.fallen)
+        check_labels(self)
         check_presets(self)
         for name in () if self.study is None else (self.study.parameter, *self.study.parameters):
             self.require_parameter(name)

@@ -12,6 +12,7 @@ import sys
 import textwrap
 import types
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,10 @@ def equations_hash(run_file: RunFile) -> str:
     texts = [equations_text(run_file), json.dumps(system.defaults(), sort_keys=True)]
     for observable in system.observables:
         texts += [observable.name, repr(observable.at), *function_texts(observable.function)]
+    for kind in system.point_types:
+        methods = [member for member in vars(type(kind)).values() if isinstance(member, types.FunctionType)]
+        texts += [type(kind).__name__, kind.label, repr(kind) if is_dataclass(kind) else ""]
+        texts += [text for method in methods for text in function_texts(method)]
     return hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
 

@@ -22,6 +22,7 @@ from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquat
 from contwalk.problems.equilibrium.mode_limits import ModeLimits
 from contwalk.problems.equilibrium.points.catalogue import POINT_TYPES
 from contwalk.problems.equilibrium.points.hopf import hopf
+from contwalk.problems.equilibrium.points.point import EquilibriumPoint
 from contwalk.problems.equilibrium.sampling import sampled
 from contwalk.problems.held_quantities import sloping
 from contwalk.problems.orbit.discretization import Discretization
@@ -53,9 +54,13 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
 
     kind = "equilibrium"
     asymmetries = mirrors.asymmetries
-    point_types = POINT_TYPES
     # Its equations are exact and the same everywhere, and its solutions always the system's.
     anchored = meshed = None
+
+    @cached_property
+    def point_types(self) -> tuple[EquilibriumPoint, ...]:
+        """The kinds of special points of its branches, the system's own ones last."""
+        return (*POINT_TYPES, *self.system.point_types_of(EquilibriumPoint))
 
     @property
     def diagnosis(self) -> EquilibriumDiagnosis:

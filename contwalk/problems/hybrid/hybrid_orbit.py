@@ -60,7 +60,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     """
 
     kind = "hybrid_orbit"
-    point_types = (*POINT_TYPES, *LIMIT_TYPES)
+    every_type = (*POINT_TYPES, *LIMIT_TYPES)
     branching_offset = 0.05
 
     # -- what is told of it ------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -41,6 +42,8 @@ from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_equations import OrbitEquations
 from contwalk.problems.orbit.orbit_section import into_section
+from contwalk.problems.orbit.points.catalogue import POINT_TYPES
+from contwalk.problems.orbit.points.point import OrbitPoint
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
@@ -57,7 +60,13 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
     reported = reporting.reported
     doubled_from, unfolded_from = switching.doubled, switching.unfolded
     asymmetries, returned_to_parent = asymmetry.of_moving, termination.returned_to_parent
+    every_type: tuple[OrbitPoint, ...] = POINT_TYPES
     location_tolerance = 1e-3  # solutions are solved for to a part of the tolerance only
+
+    @cached_property
+    def point_types(self) -> tuple[OrbitPoint, ...]:
+        """The kinds of special points of its branches, the system's own ones last."""
+        return (*self.every_type, *self.system.point_types_of(OrbitPoint))
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """Kinks of guards, resets and conditions, where there are any. z has the shape (N + 1,)."""

@@ -11,7 +11,6 @@ from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
-from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import Sample
@@ -38,7 +37,6 @@ class PeriodicOrbit(OrbitProblem):
 
     kind = "periodic_orbit"
     in_closure = True
-    point_types = POINT_TYPES
     limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
     branching_offset = 1.0
