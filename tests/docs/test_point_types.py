@@ -75,7 +75,7 @@ def test_the_point_of_the_page_is_found_and_drawn(kind):
     assert (point.name, point.status) == ("NE1", "located")
     assert point.parameters["a"] == pytest.approx(1.0, abs=max(point.error, 1e-15))
     assert point.error < 1e-14
-    assert point.coefficients == {"largest": 1.0}
+    assert point.coefficients == pytest.approx({"largest": 1.0})
     assert (point.unstable_before, point.unstable_after) == (1, 1)
     entries = special_points.legend_entries([point])
     assert [entry.get_label() for entry in entries] == ["NE  neutral equilibrium"]
