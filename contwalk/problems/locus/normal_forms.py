@@ -41,20 +41,22 @@ def lyapunov_numerator(place: Place, found: Critical, kappa: Any) -> Any:
 
     Its sign is that of the first Lyapunov coefficient; q has the length that its border gives it.
     """
-    omega = root(kappa)
-    q, p = at_frequency(found, omega)
-    p = p / (p @ (place.plane.finite * q))
-    return (p @ sum(_cubic(place, q, omega)[0])).real
+    p, terms = _driven(place, found, kappa)
+    return (p @ sum(terms)).real
 
 
 def lyapunov_known(place: FloatPlace, found: Critical, kappa: float) -> float:
     """`lyapunov_numerator`; zero where it is rounding of its terms, as all along a curve of centres."""
-    omega = root(kappa)
-    q, p = at_frequency(found, omega)
-    p = p / (p @ (place.plane.finite * q))
-    terms = _cubic(place, q, omega)[0]
+    p, terms = _driven(place, found, kappa)
     value, size = float((p @ sum(terms)).real), sum(float(np.abs(p) @ np.abs(term)) for term in terms)
     return value if abs(value) > VANISHES * size else 0.0
+
+
+def _driven(place: Place, found: Critical, kappa: Any) -> tuple[np.ndarray, list[np.ndarray]]:
+    """p, shape (N,), with <p, q> = 1, and the terms of what drives w |w|^2."""
+    omega = root(kappa)
+    q, p = at_frequency(found, omega)
+    return p / (p @ (place.plane.finite * q)), _cubic(place, q, omega)[0]
 
 
 def _cubic(place: Place, q: np.ndarray, omega: Any) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
@@ -68,10 +70,7 @@ def _cubic(place: Place, q: np.ndarray, omega: Any) -> tuple[list[np.ndarray], n
 
 def _shifted(place: Place, omega: Any) -> np.ndarray:
     """i omega E - F_u, shape (N, N)."""
-    e = np.diag(place.plane.finite)
-    if place.matrix.dtype == object:
-        e = e.astype(object)
-    return 1j * omega * e - place.matrix
+    return 1j * omega * np.diag(place.plane.finite).astype(place.matrix.dtype) - place.matrix
 
 
 def _real(v: np.ndarray) -> np.ndarray:
