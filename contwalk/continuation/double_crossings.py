@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.eigenvalues_between import PLACES, peaks
+from contwalk.continuation.eigenvalues_between import peaks
 from contwalk.continuation.hidden_pairs import decided, held, reached, undecided
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
 from contwalk.continuation.locating import (
@@ -24,15 +24,12 @@ from contwalk.continuation.locating import (
     on_finest_steps,
 )
 from contwalk.continuation.marks import FINER
-from contwalk.continuation.segment import NEAR_ZERO, LostBranch, Placed, Segment
-from contwalk.numerics import cubic
+from contwalk.continuation.segment import LostBranch, Placed, Segment, dip
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Sample, Test
 
 # Nearer to zero than this, against the ends, an extremum is looked at on the finest steps.
 CLOSE = 1e-4
-# Values and rates at both ends make these of a cubic in between.
-HERMITE = cubic.weights(PLACES)
 # How narrow a bracket says where a multiplier changes its sign, in parts of the segment.
 NARROW = 1e-6
 
@@ -223,17 +220,10 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
             asked = asked[::-1]
         if not all(sample.rates[which] * way > 0.0 for sample, way in asked):
             continue
-        da, db = a.rates[which] * length, b.rates[which] * length
-        curve = float(ma[which]), float(mb[which]), da, db
-        lowest = min(float((sign * (np.array(curve) @ HERMITE)).min()), _corner(*curve, sign))
-        if lowest < NEAR_ZERO * min(abs(ma[which]), abs(mb[which])):
+        values, rates = ((sign * float(at[which]) for at in each) for each in ((ma, mb), (a.rates, b.rates)))
+        # There may be a corner, where eigenvalues change roles.
+        if dip([*values], [length * rate for rate in rates], corner=True) is not None:
             yield which
-
-
-def _corner(ma: float, mb: float, da: float, db: float, sign: float) -> float:
-    """sign * the value at which the tangents at both ends meet: a corner, where eigenvalues change roles."""
-    theta = (mb - db - ma) / (da - db)
-    return float(sign * (ma + da * theta))
 
 
 def _extremum(

@@ -16,8 +16,7 @@ import numpy as np
 
 from contwalk.continuation.hidden_pairs import undecided
 from contwalk.continuation.locating import Disagreement, Found, Subsegment, accepted, known_to
-from contwalk.continuation.segment import NEAR_ZERO, LostBranch, Placed, Segment, looked_for
-from contwalk.numerics import cubic
+from contwalk.continuation.segment import LostBranch, Placed, Segment, dip, looked_for
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.located import CROSSING
 from contwalk.problems.problem import Limit, Located, Problem, Sample
@@ -335,11 +334,7 @@ def _passing(segment: Segment, which: int, sign: float, rounded: float) -> Itera
             if not (rate < 0.0 if falls else rate > 0.0):
                 return None
             rates.append(rate)
-        given = np.array([[*values, *rates]])
-        places = cubic.turns(given)
-        least = (given @ cubic.weights(places[0]))[0]
-        at = int(np.argmin(least))
-        return float(places[0, at]) if least[at] < NEAR_ZERO * min(values) else None
+        return dip(values, rates)
 
     def passes(sample: Sample) -> bool:
         return sign * float(sample.margins[which]) < -rounded

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 
 import numpy as np
 
 from contwalk import quantities
-from contwalk.continuation.eigenvalues_between import has_kink
 from contwalk.continuation.kinds import kind_of_test
 from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
-from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.continuation.segment import LostBranch, Placed, Segment, dip, looked_for
 from contwalk.continuation.settings import Mark
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.parameter_line import ParameterLine
-from contwalk.problems.problem import MAX_ABS, MAX_RE, Located, Problem, Sample, Test, refined
+from contwalk.problems.problem import Located, Problem, Sample, Test, refined
 
 # How near to a turn of the branch, in parts of the segment, no extremum is looked for.
 TURN = 1e-3
 # A rate this small against those at the ends is zero to rounding.
 FLAT = 4e-14
+# Across a bracket this narrow, in parts of the segment, a rate that is still half of what it is at the ends
+# jumps from one sign to the other; of a smooth extremum it would be a ten-thousandth.
+NARROW = 1e-4
 # A rate in the metric this small against the value is none.
 STILL, TINY = 1e-9, 1e-300
 # How far beyond a place at which a rate is exactly zero its sign is looked at: in parts of a segment, or in
@@ -95,14 +97,51 @@ def marked(
 
 
 def _levels(segment: Segment, name: str, level: float, observer: Observer) -> list[Found]:
-    va = observer.value(name, segment.a) - level
-    vb = observer.value(name, segment.b) - level
-    # A value met exactly at the end of a segment belongs to that segment, not to the next one as well.
-    if not (va * vb < 0.0 or (vb == 0.0 and va != 0.0)):
-        return []
+    """Where a value is met on a segment: between its ends, or twice, before and behind an extremum."""
 
     def value(theta: float) -> float:
         return observer.value(name, segment.at(theta)) - level
+
+    def nearest(low: Placed, high: Placed) -> float | None:
+        ends = value(low[0]), value(high[0])
+        if not ends[0] * ends[1] > 0.0:
+            return None
+        way = float(np.sign(ends[0])) * (high[0] - low[0]) * segment.length
+        rates = [way * _rate(segment, name, observer, sample) for _, sample in (low, high)]
+        return dip([abs(end) for end in ends], rates, corner=True) if rates[0] < 0.0 < rates[1] else None
+
+    def beyond(sample: Sample) -> bool:
+        return (observer.value(name, sample) - level) * value(0.0) < 0.0
+
+    try:
+        between = looked_for(segment, (0.0, segment.a), (1.0, segment.b), nearest, beyond)
+        knots = [0.0, *islice(between, 1), 1.0]
+    except LostBranch:
+        knots = [0.0, 1.0]
+    met = (_met(segment, name, level, observer, *part) for part in pairwise(knots))
+    return [point for point in met if point is not None]
+
+
+def _rate(segment: Segment, name: str, observer: Observer, sample: Sample) -> float:
+    """Derivative of an observable along the branch; of a parameter, which is linear in the free one, too."""
+    if observer.line.second is not None or observer.place(name, 0.0) is None:
+        return segment.problem.observed.rate(name, sample)
+    ahead = observer.line.value(name, sample.parameter + float(sample.tangent[-1]))
+    return float(ahead or 0.0) - observer.value(name, sample)
+
+
+def _met(
+    segment: Segment, name: str, level: float, observer: Observer, low: float, high: float
+) -> Found | None:
+    """The point between two positions at which a value is met."""
+
+    def value(theta: float) -> float:
+        return observer.value(name, segment.at(theta)) - level
+
+    # A value met exactly at the end of a segment belongs to that segment, not to the next one as well.
+    va, vb = value(low), value(high)
+    if not (va * vb < 0.0 or (vb == 0.0 and va != 0.0)):
+        return None
 
     def attempt(theta: float, left: float, right: float) -> Found | None:
         sample = segment.at(theta)
@@ -124,10 +163,10 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
         return Found(position, marked, settled, sample_at(segment, marked, settled, sample))
 
     try:
-        found = narrow(value, 0.0, 1.0, va, vb, attempt) if vb != 0.0 else attempt(1.0, 0.0, 1.0)
+        found = narrow(value, low, high, va, vb, attempt) if vb != 0.0 else attempt(high, low, high)
     except LostBranch:
-        found = None
-    return [] if found is None else [replace(found, kind=observer.kind(name), mark=(name, level))]
+        return None
+    return None if found is None else replace(found, kind=observer.kind(name), mark=(name, level))
 
 
 def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | None:
@@ -161,8 +200,9 @@ def _extrema(segment: Segment, name: str, low: float, high: float, observer: Obs
 
     def decided(theta: float, left: float, right: float) -> float | None:
         flat = abs(rates[theta]) <= FLAT * max(abs(rates[low]), abs(rates[high]))
-        kink = name in (MAX_RE, MAX_ABS) and has_kink(segment.at(left), segment.at(right))
-        return theta if flat or kink else None
+        beside, ends = ([abs(rates[t]) for t in each] for each in ((left, right), (low, high)))
+        jumps = right - left < NARROW and min(beside) > 0.5 * min(ends)
+        return theta if flat or jumps else None
 
     rates: dict[float, float] = {}
     try:

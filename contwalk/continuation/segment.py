@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from contwalk.continuation.correction import Correction
 from contwalk.continuation.newton import correct
+from contwalk.numerics import cubic
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Problem, Sample
@@ -129,6 +130,20 @@ class Segment(HermiteCurve):
         known = self._known.get(theta)
         there = self._corrected(self.problem, self.guess(theta))[0].z if known is None else known.z
         return norm_in(there - z, self.weights) / max(self.length, 1e-300)
+
+
+def dip(values: Sequence[float], rates: Sequence[float], corner: bool = False) -> float | None:
+    """Where what falls from one positive value and grows to another is least, if near to zero, in 0..1.
+
+    The cubic of values and rates at both ends tells where; where there may be a `corner`, the tangents at
+    both ends tell how near.
+    """
+    given = np.array([[*values, *rates]])
+    places = cubic.turns(given)[0]
+    least = (given @ cubic.weights(places))[0]
+    meet = (values[1] - values[0] - rates[1]) / (rates[0] - rates[1])
+    nearest = min(least.min(), values[0] + rates[0] * meet if corner else np.inf)
+    return float(places[np.argmin(least)]) if nearest < NEAR_ZERO * min(values) else None
 
 
 def looked_for(

@@ -8,23 +8,22 @@ import numpy as np
 import pytest
 from made_up import line
 
-from contwalk.continuation.double_crossings import HERMITE, _corner, _suspects
+from contwalk.continuation.double_crossings import _suspects
+from contwalk.continuation.segment import dip
 from contwalk.problems.sample import Rates, Sample
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_least_value_between_two_samples_of_a_parabola(sign):
-    """(t - 1/4)^2 - 1/100 and its negative: a cubic has them exactly, and a sample where they are least."""
-    ends = 0.0525, 0.5525, -0.5, 1.5
-    found = sign * (np.array([sign * number for number in ends]) @ HERMITE)
-    assert found.min() == pytest.approx(-0.01, abs=1e-15)
+def test_a_parabola_that_dips_is_least_where_it_turns():
+    """(t - 1/4)^2 - 1/100 falls from 0.0525 and grows to 0.5525; a cubic has it exactly."""
+    assert dip([0.0525, 0.5525], [-0.5, 1.5]) == pytest.approx(0.25, abs=1e-15)
+    # Shifted up by 0.08 it stays more than half as far from zero as it is at its nearer end.
+    assert dip([0.1325, 0.6325], [-0.5, 1.5]) is None
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_value_at_a_corner(sign):
-    """|t - 1/4| - 1/10: the tangents at both ends meet there."""
-    ends = 0.15, 0.65, -1.0, 1.0
-    assert _corner(*(sign * number for number in ends), sign) == pytest.approx(-0.1, abs=1e-15)
+def test_where_there_may_be_a_corner_the_tangents_tell_how_near_it_is():
+    """2 |t - 1/2| + 1/10, cut off by a cubic at 0.6: at the corner it is 0.1."""
+    assert dip([1.1, 1.1], [-2.0, 2.0]) is None
+    assert dip([1.1, 1.1], [-2.0, 2.0], corner=True) == pytest.approx(0.5, abs=1e-15)
 
 
 def _told(measure: float, rate: float, asked: list[str], name: str) -> Sample:

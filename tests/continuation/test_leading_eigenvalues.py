@@ -5,7 +5,6 @@ import math
 
 import pytest
 
-from contwalk.continuation.eigenvalues_between import has_kink
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.settings import Mark
 from contwalk.problems.problem import MAX_RE
@@ -49,11 +48,11 @@ def segment_with(eigenvalues, low=0.0, high=0.3):
 @pytest.mark.parametrize("eigenvalues", [pair_that_meets, two_pairs], ids=["meets", "two pairs"])
 @pytest.mark.parametrize("backwards", [False, True], ids=["forwards", "backwards"])
 def test_a_kink_takes_few_solutions(eigenvalues, backwards):
-    """Narrowed to rounding it takes 40 solutions and more."""
+    """Narrowed to rounding it takes 40 solutions and more; to a ten-thousandth 14."""
     course = (lambda lam: eigenvalues(0.3 - lam)) if backwards else eigenvalues
     segment = segment_with(course)
     assert marked(segment, (Mark(MAX_RE, (), True),), OBSERVER) == []
-    assert len(segment._known) <= 10
+    assert len(segment._known) <= 20
 
 
 @pytest.mark.parametrize("eigenvalues", [smooth, avoided])
@@ -63,10 +62,3 @@ def test_a_smooth_extremum_is_no_kink(eigenvalues):
     # Rates are central differences of step 1e-6: rounding 1e-10 of them over a slope of two or more.
     assert len(found) == 1
     assert abs(places(found)[0] - KINK) <= 1e-9
-    assert not has_kink(segment.at(0.0), segment.at(1.0))
-
-
-def test_real_eigenvalues_that_rise_on_both_sides_of_the_meeting_are_left_to_the_search():
-    """The pair falls and its real parts' mean rises: an extremum may lie there."""
-    segment = segment_with(lambda lam: [v + 3.0 * lam**2 for v in pair_that_meets(lam)])
-    assert not has_kink(segment.at(0.0), segment.at(1.0))
