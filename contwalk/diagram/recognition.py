@@ -152,8 +152,10 @@ def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bo
     last z must be met in its own metric (`weights`) too.
     """
     z, along = pair[0], pair[1] - pair[0]
-    own = branch.points["weights"]
-    rows = np.column_stack([branch.points["unknowns"], branch.points["free"][:, 0]])
+    # At a special point the equations may not determine the way, as those of a curve at a double zero.
+    points = np.delete(branch.points, [each.index for each in branch.special_points if each.label != "EP"])
+    own, tangents = points["weights"], points["tangent"]
+    rows = np.column_stack([points["unknowns"], points["free"][:, 0]])
     turned = problem.equivalence.nearest_turn(z, rows[0])
     a, chord = rows[:-1], np.diff(rows, axis=0)
     normal = chord / own[:-1] ** 2
@@ -164,7 +166,6 @@ def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bo
     foot = a + theta[:, None] * chord
     distance = np.linalg.norm((turned - foot) / own[:-1], axis=1)
     near = (theta > -0.01) & (theta < 1.01) & (distance < 0.5 * np.sqrt(length) + SAME)
-    tangents = branch.points["tangent"]
     return any(
         _passes(
             problem,

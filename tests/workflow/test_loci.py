@@ -285,6 +285,39 @@ def test_points_that_no_curve_begins_at(place, point, words) -> None:
     assert not (place / "none.h5").exists()
 
 
+DOUBLE_ZERO = """
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    dx[0], dx[1] = x[1], p.b1 + p.b2 * x[0] + x[0] ** 2 - x[0] * x[1]
+
+SYSTEM = System(name="double_zero", states=(State("x"), State("y")),
+    parameters=(Parameter("b1", -1.2e-4), Parameter("b2", -0.01)), modes=(Mode("flow", field),))
+"""
+AROUND_IT = """
+contwalk: 1
+system: ./double_zero.py
+start: {state: {x: -0.007, y: 0.0}}
+continue: {parameter: b1, range: [-2.0e-4, 1.0e-4]}
+diagram: {follow: none}
+loci: {with: b2, range: [-0.5, 0.5], of: all, follow: all}
+output: double_zero.h5
+"""
+
+
+def test_the_curve_of_a_double_zero_in_a_narrow_range_is_walked_once(tmp_path):
+    """Hopf points b1 = 0 and folds b1 = b2^2 / 4. At the double zero itself F_x vanishes, so that its row on
+    the curve of Hopf points went the way of the folds, and the curve was not known again.
+    """
+    (tmp_path / "double_zero.py").write_text(DOUBLE_ZERO)
+    (tmp_path / "study.yaml").write_text(AROUND_IT)
+    run_file = read_run_file(tmp_path / "study.yaml", output=str(tmp_path / "double_zero.h5"))
+    curves = runner.run(run_file, figures=False).branches[1:]
+    assert [curve.info.settings["of"] for curve in curves] == ["HB", "LP"]
+    for curve in curves:
+        assert [p.label for p in curve.special_points].count("BT") == 1
+
+
 def test_a_study_without_the_points_that_are_asked_for_says_that_there_is_no_curve(tmp_path):
     (tmp_path / "bazykin.py").write_text(PLUGIN)
     study = ALL.replace("[0.01, 0.9]", "[0.9, 1.0]").replace("x: 2.0, y: 2.0", "x: 50.0, y: 2.0")
