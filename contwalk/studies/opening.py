@@ -15,7 +15,7 @@ from contwalk.continuation.state import ContinuationState, begin
 from contwalk.diagram.opening import Opening
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium.equilibrium import Equilibrium, pins_at, solution_at
-from contwalk.problems.equilibrium.held_by_force import forced
+from contwalk.problems.equilibrium.held_by_force import forced, takes_force
 from contwalk.problems.equilibrium.second_direction import second_direction
 from contwalk.problems.neutral import constant
 from contwalk.problems.orbit.discretization import Discretization
@@ -110,14 +110,8 @@ def _is_family(problem: Equilibrium, state: ContinuationState) -> bool:
 
 def _drifts(problem: Equilibrium, state: ContinuationState) -> bool:
     """Whether holding the pinned directions takes a force, at the start or growing along the branch."""
-    if forced(problem, state.sample) is not None:
-        return True
-    jacobian = problem.jacobian(state.sample.z)
-    n = problem.states
-    tangent = state.sample.tangent
-    forces = np.abs(jacobian[:n, n : problem.size] * tangent[n : problem.size])
-    terms = np.abs(jacobian[:n]) @ np.abs(tangent)
-    return bool(forces.max() > 1e-9 * terms.max())
+    sample = state.sample
+    return forced(problem, sample) is not None or takes_force(problem, sample.z, sample.tangent)
 
 
 def _off_special(problem: Equilibrium, state: ContinuationState, settings: Settings) -> ContinuationState:

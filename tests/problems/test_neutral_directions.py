@@ -206,3 +206,29 @@ def test_a_steady_motion_is_no_equilibrium():
     problem = small_problem(field, "xy", {"mu": 0.0}, "mu", neutral=(Neutral("place", along_x, pin="x"),))
     with pytest.raises(StartError):
         cw.continue_branch(problem, [0.0, 0.0], (-1.0, 1.0))
+
+
+def ill(t, x, p, dx):
+    dx[0] = -p.beta * x[0] * x[1]
+    dx[1] = p.beta * x[0] * x[1] - x[1]
+
+
+def ill_and_removed(t, x, p, dx):
+    ill(t, x, p, dx)
+    dx[2] = x[1]
+
+
+@pytest.mark.parametrize(("field", "states"), [(ill, "SI"), (ill_and_removed, "SIR")])
+def test_a_line_of_equilibria_changes_its_stability_and_no_branch_leaves(field, states):
+    """Kermack and McKendrick (1927): at rest nobody is ill, for every S. The rate beta S - 1 passes zero;
+    where some are ill S falls, and nothing rests.
+    """
+    problem = small_problem(field, states, {"beta": 0.5}, "beta")
+    branch = cw.continue_branch(problem, [0.8, *[0.0] * (len(states) - 1)], (0.2, 3.0))
+    (point,) = [each for each in branch.special_points if each.label == "BP"]
+    assert (point.kind, point.status) == (None, "located")
+    assert point.parameters["beta"] == pytest.approx(1.25, rel=1e-14)
+    assert (point.unstable_before, point.unstable_after) == (0, 1)
+    assert "no branch leaves" in point.note
+    with pytest.raises(StartError, match="No other branch leaves"):
+        cw.switch_branch(problem, branch, point, (0.2, 3.0))

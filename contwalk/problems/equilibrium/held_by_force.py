@@ -20,17 +20,24 @@ def forced(problem: EquilibriumEquations, sample: Sample) -> str | None:
     """
     if not problem.pins:
         return None
-    z, weights = sample.z, sample.weights
-    linearization = problem.linearize(z)
+    z, weights, linearization = sample.z, sample.weights, problem.linearize(sample.z)
     level = linearization.levels[0]
     try:
         bordered = linearization.bordered(sample.tangent / weights**2, weights)
-        for j, pin in enumerate(problem.pins):
-            unit = np.zeros(len(z))
-            unit[problem.states + j] = 1.0
-            noise = np.abs(bordered.solve_adjoint(unit)[: len(level)]) @ level
-            if abs(z[problem.states + j]) > FORCED * noise:
+        for place, pin in enumerate(problem.pins, problem.states):
+            noise = np.abs(bordered.solve_adjoint(np.eye(len(z))[place])[: len(level)]) @ level
+            if abs(z[place]) > FORCED * noise:
                 return pin.name
     except np.linalg.LinAlgError:  # a branch point of the pinned equations: its neighbours tell
         return None
     return None
+
+
+def takes_force(problem: EquilibriumEquations, z: np.ndarray, way: np.ndarray) -> bool:
+    """Whether holding the pinned directions takes a force that grows along a way from a solution.
+
+    z and the way have the shape (N + 1,).
+    """
+    jacobian, n = problem.jacobian(z), problem.states
+    forces = np.abs(jacobian[:n, n : problem.size] * way[n : problem.size])
+    return bool(np.max(forces, initial=0.0) > 1e-9 * np.max(np.abs(jacobian[:n]) @ np.abs(way)))

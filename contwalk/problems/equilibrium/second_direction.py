@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.numerics.linear import Factored, bordered_by, critical_pair, deficiency, solution_plane
+from contwalk.numerics.linear import Factored, bordered_by, critical_pair, deficiency, solution_plane, unit_in
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Seed
 
@@ -133,8 +133,7 @@ def branch_point_seeds(problem: EquilibriumEquations, point: SpecialPoint) -> Se
         return ()
     if len(found) < 2:
         return ()
-    parent = np.array(point.tangent)
-    parent = parent / np.linalg.norm(parent / weights)
+    parent = unit_in(np.array(point.tangent), weights)
     products = [abs(float((t / weights) @ (parent / weights))) for t in found]
     other = found[int(np.argmin(products))]
     # Grow towards larger parameter, or where the branch leaves at a right angle, towards a larger first

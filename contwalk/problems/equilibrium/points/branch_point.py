@@ -17,6 +17,7 @@ from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.equilibrium.defining_systems import dot, real_eigenvalue, solve
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
+from contwalk.problems.equilibrium.held_by_force import takes_force
 from contwalk.problems.equilibrium.normal_forms import SURE, Forms, critical_vectors, rounded
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.equilibrium.second_direction import (
@@ -51,8 +52,9 @@ class BranchPoint(EquilibriumPoint):
         return _form(problem, located, sample.weights)
 
     def seeds(self, problem: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
-        """The branch that crosses."""
-        return branch_point_seeds(problem, point)
+        """The branch that crosses, unless what does is held by a force."""
+        found = branch_point_seeds(problem, point)
+        return [s for s in found if s.tangent is None or not takes_force(problem, s.z, s.tangent)]
 
     def has(self, point: SpecialPoint) -> bool:
         """A branch point without a multiplicity."""
@@ -63,6 +65,8 @@ def _form(problem: EquilibriumEquations, located: Located, weights: np.ndarray) 
     if keep_parameter(problem, located.z, weights):
         return None, None, {}, "both branches that cross here keep the parameter: there is no criticality"
     c = branch_point_coefficients(problem, located, weights)
+    if takes_force(problem, located.z, np.append(c["q"], 0.0)):
+        return None, None, {}, "no branch leaves: a family of equilibria changes its stability along itself"
     numbers = {name: c[name] for name in ("c11", "c12", "c22", "c", "c_error")}
     numbers["convention"] = (
         "c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
