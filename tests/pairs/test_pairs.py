@@ -28,11 +28,10 @@ def test_both_are_located_however_near(kind, seed):
     assert verdict.outcome == "located", verdict.text
 
 
-@pytest.mark.parametrize("seed", [2, 5])
 @pytest.mark.parametrize("near_miss", [False, True])
-def test_a_dip_that_is_within_errors_is_one_unlocated_point_with_its_interval(seed, near_miss):
+def test_a_dip_that_is_within_errors_is_one_unlocated_point_with_its_interval(near_miss):
     """Of a miss as well: what is known does not tell both from each other."""
-    drawn = case("maps BP BP", seed, near_miss)
+    drawn = case("maps BP BP", 5, near_miss)
     assert drawn.distance < 1e-8
     branch = walked(drawn)
     (point,) = [point for point in branch.special_points if point.label != "EP"]

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from itertools import combinations, pairwise
 
 import numpy as np
+from random_exact import miscounted
 from random_independent import Machine, Unchecked
-from random_recipes import Recipe
+from random_recipe import Recipe
 from random_rows import Round, parameters_of, rounds
+from random_wide import WIDE
 
 from contwalk.branch import Branch, SpecialPoint
 
@@ -172,7 +174,7 @@ def _counts_between(branch: Branch) -> Iterator[Fault]:
     for i, (a, b) in enumerate(pairwise(rows)):
         before = at[i].unstable_after if i in at and a["special"] else int(a["unstable"])
         after = at[i + 1].unstable_before if i + 1 in at and b["special"] else int(b["unstable"])
-        if before == after:
+        if before == after or None in (before, after):  # None is told where it is not known
             continue
         if branch.info.parent is not None and 0.0 in (a["s"], b["s"]):
             continue  # at the point that the branch was born at the count is its parent's
@@ -199,13 +201,20 @@ def _equilibria(machine: Machine, branch: Branch) -> Iterator[Fault]:
     for i, row in enumerate(rows):
         left = np.abs(machine.residual(row["state"], each[i]))
         moved = np.abs(matrices[i]) @ np.maximum(np.abs(row["state"]), row["weights"][:n])
-        allowed = RESIDUAL * (terms[i] + moved) + 1e-290
+        claimed = float(np.nan_to_num(row["error"])) * (np.abs(matrices[i]) @ row["weights"][:n])
+        allowed = RESIDUAL * (terms[i] + moved) + claimed + 1e-290
         if np.any(left > allowed):
             yield Fault(
                 "residual", branch.name, f"residual {left.max():.3g} at {row['free'][0]:.10g}, row {i}"
             )
             break
-    if branch.info.settings.get("pins"):
+    if machine.recipe.family in WIDE:
+        for text in miscounted(machine, rows, each):
+            yield Fault("unstable", branch.name, text)
+            break
+    if machine.recipe.family == "ring":
+        yield from _of_ring(machine.recipe, branch)
+    if machine.recipe.family == "graded" or branch.info.settings.get("pins"):
         return  # the quotient's spectrum is another one
     scale = rows["weights"][:, :n]
     scaled = matrices / scale[:, :, None] * scale[:, None, :]
@@ -223,6 +232,19 @@ def _equilibria(machine: Machine, branch: Branch) -> Iterator[Fault]:
                 f"{rows['unstable'][i]} stored, {least} to {most} by eigenvalues, row {i}",
             )
             break
+
+
+def _of_ring(recipe: Recipe, branch: Branch) -> Iterator[Fault]:
+    """At rest all units of a ring pass at lam = 2 c (1 - cos 2 pi k / N): their waves, in closed form."""
+    if branch.info.parent is not None or branch.outcome.reason == "max_points":
+        return
+    units = recipe.states // (1 if "BP" in {p.label for p in branch.special_points} else 2)
+    coupling = recipe.parameters["mu"]
+    for k in range(units // 2 + 1):
+        place = 2.0 * coupling * (1.0 - np.cos(2.0 * np.pi * k / units))
+        near = [p for p in branch.special_points if abs(p.parameters["lam"] - place) < 1e-9]
+        if place < recipe.range[1] and not near:
+            yield Fault("lost", branch.name, f"wave {k} of {units} units passes at {place}")
 
 
 def _orbits(branch: Branch, found: list[Round]) -> Iterator[Fault]:

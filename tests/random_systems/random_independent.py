@@ -8,7 +8,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
-from random_recipes import Recipe
+from random_recipe import Recipe
 from scipy.integrate import solve_ivp
 
 DIGITS = 40

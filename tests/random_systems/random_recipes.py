@@ -3,80 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
 
 import numpy as np
+from random_recipe import Recipe
 from random_terms import Factor, Term, factors, linear, number
+from random_wide import WIDE
 
-IMPORTS = """\
-from math import cos, pi, sin
-
-from contwalk.system import Mode, Parameter, State, Symmetry, System, Transition
-
-"""
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """A machine and its study.
-
-    `modes` holds the terms of every equation of every mode; `functions` further functions by name (guards,
-    resets, maps), each as the lines of its body and its arguments; `declared` is what `System` is told of
-    them.
-    """
-
-    seed: int
-    family: str
-    states: int
-    parameters: Mapping[str, float]
-    modes: Mapping[str, tuple[tuple[Term, ...], ...]]
-    start: str
-    range: tuple[float, float]
-    free: str = "lam"
-    functions: Mapping[str, tuple[str, tuple[str, ...]]] = field(default_factory=dict)
-    declared: tuple[str, ...] = ()
-    depth: int = 2
-    max_points: int = 150
-
-    @property
-    def name(self) -> str:
-        return f"{self.family}-{self.seed}"
-
-    def small(self) -> Recipe:
-        """The same machine with a study of few points and branches."""
-        return replace(self, depth=min(self.depth, 1), max_points=min(self.max_points, 100))
-
-    def functions_text(self) -> str:
-        """Fields and the other functions, as a plugin has them."""
-        lines: list[str] = []
-        for mode, equations in self.modes.items():
-            lines.append(f"def {mode}(t, x, p, dx):")
-            for i, terms in enumerate(equations):
-                lines.append(f"    dx[{i}] = {' + '.join(term.text for term in terms) or '0.0*x[0]'}")
-            lines += ["", ""]
-        for name, (arguments, body) in self.functions.items():
-            lines += [f"def {name}({arguments}):", *(f"    {line}" for line in body), "", ""]
-        return "\n".join(lines)
-
-    def plugin_text(self) -> str:
-        """The whole plugin."""
-        states = ", ".join(f'State("x{i}")' for i in range(self.states))
-        parameters = ", ".join(f'Parameter("{k}", {v!r})' for k, v in self.parameters.items())
-        modes = ", ".join(f'Mode("{mode}", {mode})' for mode in self.modes)
-        rest = "".join(f"    {line},\n" for line in self.declared)
-        return (
-            f'{IMPORTS}\n{self.functions_text()}SYSTEM = System(\n    name="machine",\n'
-            f"    states=({states},),\n    parameters=({parameters},),\n    modes=({modes},),\n{rest})\n"
-        )
-
-    def run_text(self) -> str:
-        """The run file beside it."""
-        low, high = self.range
-        return (
-            f"contwalk: 1\nsystem: ./machine.py\nstart: {self.start}\n"
-            f"continue: {{parameter: {self.free}, range: [{low}, {high}], max_points: {self.max_points}}}\n"
-            f"diagram: {{follow: [BP, HB, PD], depth: {self.depth}}}\n"
-        )
+# From this seed on machines are drawn of wide ranges and equal units, one of each kind in turn.
+FIRST_WIDE = 100_000
 
 
 def _state(values: np.ndarray | list[float]) -> str:
@@ -384,6 +318,8 @@ _FAMILIES: dict[str, tuple[float, Callable[[np.random.Generator, int], Recipe]]]
 
 def recipe(seed: int) -> Recipe:
     """The machine and study of a seed."""
+    if seed >= FIRST_WIDE:
+        return list(WIDE.values())[seed % len(WIDE)](np.random.default_rng([20261129, seed]), seed)
     rng = np.random.default_rng([20260704, seed])
     names = list(_FAMILIES)
     family = str(rng.choice(names, p=[_FAMILIES[name][0] for name in names]))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from random_recipes import Recipe
+from random_recipe import Recipe
 
 Check = Callable[[Recipe], dict[str, Any]]
 

@@ -20,12 +20,13 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from random_recipes import Recipe, recipe
+from random_recipe import Recipe
+from random_recipes import FIRST_WIDE, recipe
 from random_shrink import shrunk
 from random_study import checked, plain
 from random_summary import page
 
-COMMAND = "python tests/random_systems/run_random_systems.py --systems {}{} --summary docs/random_systems.md"
+COMMAND = "python tests/random_systems/run_random_systems.py {}--systems {}{} --summary docs/{}"
 
 
 class TooLong(BaseException):
@@ -107,10 +108,11 @@ def main() -> int:
             for fault in records[seed]["faults"]:
                 print(f"{seed}: {fault['code']} at {fault['where']}: {fault['text'][:200]}", flush=True)
     if given.summary:
-        given.summary.write_text(
-            page(records.values(), COMMAND.format(len(records), " --small" if given.small else "")),
-            encoding="utf-8",
-        )
+        wide = given.first >= FIRST_WIDE
+        first = f"--first {given.first} " if given.first else ""
+        small = " --small" if given.small else ""
+        command = COMMAND.format(first, given.first + len(records), small, given.summary.name)
+        given.summary.write_text(page(records.values(), command, wide), encoding="utf-8")
     return int(any(r["faults"] for r in records.values()))
 
 

@@ -12,7 +12,8 @@ import pytest
 import random_independent
 import run_random_systems
 from random_checks import Study, faults
-from random_recipes import Recipe, recipe
+from random_recipe import Recipe
+from random_recipes import FIRST_WIDE, recipe
 from random_rows import _norms
 from random_shrink import shrunk
 from random_study import record, studied
@@ -198,3 +199,23 @@ def test_shrinking_keeps_the_fault_and_little_else():
 def test_a_study_runs_in_its_own_folder(tmp_path: Path, studies):
     assert studies[RELAY].code == 0
     assert not list(tmp_path.iterdir())
+
+
+def test_a_wrong_count_of_kinds_that_have_died_out_is_noticed(tmp_path: Path) -> None:
+    study = studied(recipe(FIRST_WIDE + 4).small(), tmp_path)
+    assert codes(study) == set()
+
+    def one_more(rows):
+        rows["unstable"] += 1
+
+    assert "unstable" in codes(spoilt(study, 0, one_more))
+
+
+@pytest.mark.long
+def test_a_wave_of_a_ring_that_is_not_told_is_noticed(tmp_path: Path) -> None:
+    study = studied(recipe(FIRST_WIDE + 3), tmp_path)
+    rest = study.branches[0]
+    kept = [point for point in rest.special_points if point.label == "EP"]
+    assert rest.outcome.reason == "bound"
+    assert "lost" not in codes(study)
+    assert "lost" in codes(replace(study, branches=[replace(rest, special_points=kept)]))
