@@ -201,7 +201,7 @@ def _equilibria(machine: Machine, branch: Branch) -> Iterator[Fault]:
     for i, row in enumerate(rows):
         left = np.abs(machine.residual(row["state"], each[i]))
         moved = np.abs(matrices[i]) @ np.maximum(np.abs(row["state"]), row["weights"][:n])
-        claimed = float(np.nan_to_num(row["error"])) * (np.abs(matrices[i]) @ row["weights"][:n])
+        claimed = float(np.nan_to_num(row["error"], posinf=1.0)) * (np.abs(matrices[i]) @ row["weights"][:n])
         allowed = RESIDUAL * (terms[i] + moved) + claimed + 1e-290
         if np.any(left > allowed):
             yield Fault(
