@@ -47,3 +47,21 @@ def test_the_error_of_a_small_eigenvalue_is_its_own_where_the_others_are_far():
     assert found.values.real.tolist() == values.tolist()
     # Its entry's error, four roundings of its products, and the square of what the algorithm leaves behind.
     assert np.all(found.errors <= 10.0 * EPSILON * values)
+
+
+@pytest.mark.parametrize(
+    "similar", [np.eye(2), np.array([[1.0, 0.3], [-0.7, 1.9]])], ids=["as it is", "mixed"]
+)
+@pytest.mark.parametrize("rate", [1.0, -3.0])
+def test_the_sign_of_two_that_are_one_with_their_vectors_is_known(similar, rate):
+    """x'' = 2 a x' - a^2 x: a twice, with one vector. First order knew nothing, and neither did anyone."""
+    matrix = similar @ np.array([[0.0, 1.0], [-(rate**2), 2.0 * rate]]) @ np.linalg.inv(similar)
+    found = spectrum(matrix, np.zeros((2, 2)), EPSILON * np.abs(matrix))
+    assert np.all(np.abs(found.values - rate) <= found.errors)
+    assert np.all(found.errors <= 1e-6 * abs(rate))
+    assert found.unstable(None) == (2 if rate > 0.0 else 0)
+    # Entries that are off by their rounding move them by the root of it, and by less than is claimed.
+    draw = np.random.default_rng(1)
+    for _ in range(20):
+        moved = matrix * (1.0 + EPSILON * draw.uniform(-1.0, 1.0, matrix.shape))
+        assert np.abs(np.linalg.eigvals(moved) - rate).max() <= found.errors.min()
