@@ -133,7 +133,7 @@ class _Walk:
                 step = take_step(self._problem, self._state, self._settings, self._observer)
                 if isinstance(step, Outcome):
                     return step
-                closed_at = self._closed_at(step)
+                closed_at = place_of_closure(step.segment, step.found, self._origin)
                 end = yield from self._special_points(step, closed_at)
                 if end is not None:
                     return end
@@ -170,12 +170,6 @@ class _Walk:
         self._problem, state = back
         self._state = replace(state, sample=_with_effort(self._problem, state.sample, spent))
         return True
-
-    def _closed_at(self, step: Step) -> float | None:
-        """How far along a step the walk is back where it began; None where it is not."""
-        if self._done + len(step.found) < 3:
-            return None
-        return place_of_closure(step.segment, step.found, self._origin)
 
     def _special_points(self, step: Step, closed_at: float | None) -> Generator[Point, None, End | None]:
         """The special points of a step, and the end that one of them may be."""

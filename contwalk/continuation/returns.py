@@ -93,11 +93,13 @@ def _nothing_between(a: Sample, there: Sample) -> bool:
 def place_of_closure(segment: Segment, found: list[Found], origin: Sample) -> float | None:
     """Where an accepted step, with what is special on it, passes a walk's beginning the same way round.
 
-    It is a place on the segment, 0..1, or None where the step does not.
+    It is a place on the segment, 0..1, or None where the step does not. What begins there, within errors, has
+    not been away: where a parameter stands still to rounding, as along an explosion, it passes itself.
     """
     if segment.problem.meshed is not None:
         back = _comes_back(segment, origin)
-        return _finds_again(segment, found, origin) if back is None else back
+        back = _finds_again(segment, found, origin) if back is None else back
+        return None if back is None or segment.problem.equivalence.same(origin, segment.a) else back
     z = segment.problem.equivalence.nearest_turn(origin.z, segment.a.z)
     theta = segment.position(z)
     same_way = origin.tangent / origin.weights**2 @ segment.b.tangent > 0.0

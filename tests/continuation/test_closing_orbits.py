@@ -13,6 +13,10 @@ from contwalk.continuation.returns import place_of_closure
 class Orbits(MadeUp):
     """Solutions that are the same wherever they begin: the first unknown says where, and says nothing."""
 
+    @property
+    def meshed(self):
+        return self
+
     def same(self, origin, there):
         return bool(abs(origin.parameter - there.parameter) <= 1e-11)
 
@@ -53,3 +57,10 @@ def test_the_search_ends_where_it_is_there():
     origin, before = at(problem, 0.6), problem.evaluated
     assert place_of_closure(segment, [], origin) is not None
     assert problem.evaluated - before < 15
+
+
+def test_a_step_that_begins_there_within_errors_has_not_been_away():
+    problem = cubic()
+    near = 0.6 - 1e-13  # the parameter is the same to 2.1e-13
+    segment = problem.segment(place(near), place(0.7))
+    assert place_of_closure(segment, [], at(problem, 0.6)) is None
