@@ -62,7 +62,7 @@ def _decided(point: SpecialPoint) -> bool:
     if point.label == "BP":  # a vertical branch has none: its cubic coefficient vanishes
         # One at which the branch is its parent's again has no coefficients, but the parent's criticality.
         return point.kind in ("pitchfork", "symmetry-breaking") and point.coefficients.get("c", 1.0) != 0.0
-    return point.label == "HB" or (point.label == "PD" and point.coefficients["c"] != 0.0)
+    return point.label == "HB" or (point.label == "PD" and point.coefficients.get("c", 0.0) != 0.0)
 
 
 def _check_interval(branch: Branch, point: SpecialPoint, value: float) -> None:

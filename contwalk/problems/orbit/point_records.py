@@ -106,11 +106,13 @@ def _beside_kinks(
 
 def _form(problem: OrbitData, point: OrbitKind, located: Located, sample: Sample) -> Form:
     """Kind, criticality, coefficients and note of a located point."""
-    double = point.multiplier is not None and _double(sample, point.multiplier)
-    if double and (problem.system.conserved or volumes.kept(problem, located.z)):
+    if point.multiplier is None or not _double(sample, point.multiplier):
+        return point.form(problem, located, sample)
+    count, directions = _together(problem, located, sample, point.multiplier)
+    if directions < count or problem.system.conserved or volumes.kept(problem, located.z):
         return point.form_of_pair(problem, located, sample)
     kind, criticality, coefficients, note = point.form(problem, located, sample)
-    if point.multiplier is None or (count := _together(sample, point.multiplier)) < 2:
+    if count < 2:
         return kind, criticality, coefficients, note
     # No coefficient along one direction tells of what leaves along several.
     return kind, None, {"multiplicity": count}, SEVERAL.format(count, point.multiplier)
@@ -121,10 +123,19 @@ def _double(sample: Sample, critical: float) -> bool:
     return int(np.sum(np.abs(sample.eigenvalues - critical) < MEET)) > 1
 
 
-def _together(sample: Sample, critical: float) -> int:
-    """How many multipliers are a critical value to their errors, as a symmetry makes them."""
-    apart = np.abs(sample.eigenvalues - critical)
-    return int(np.sum(apart <= np.minimum(sample.errors, MEET)))
+def _together(problem: OrbitData, located: Located, sample: Sample, critical: float) -> tuple[int, int]:
+    """How many multipliers are a critical value to their errors, and how many directions they have.
+
+    A symmetry makes several, each with its own; where areas are kept two have one.
+    """
+    known = np.minimum(sample.errors, MEET)
+    together = np.abs(sample.eigenvalues - critical) <= known
+    if not together.any():
+        return 0, 0
+    a = problem.return_map(located.z).a
+    sizes = np.linalg.svd(a - critical * np.eye(len(a)), compute_uv=False)
+    least = known[together].max() * float(np.linalg.norm(a, 2))
+    return int(np.count_nonzero(together)), int(np.count_nonzero(sizes <= max(least, sizes[-1])))
 
 
 def known(
