@@ -118,7 +118,8 @@ def place_of_closure(segment: Segment, found: list[Found], origin: Sample) -> fl
 def _comes_back(segment: Segment, origin: Sample) -> float | None:
     """Where a segment of orbits, which begin anywhere on themselves, passes a given one."""
     a, b, value = segment.a.parameter, segment.b.parameter, origin.parameter
-    if (a - value) * (b - value) > 0.0 or a == b or (b - a) * origin.tangent[-1] < 0.0:
+    passed = (a - value) * (b - value) < 0.0 or b == value != a  # met at its end, it is the step's
+    if not passed or (b - a) * origin.tangent[-1] < 0.0:
         return None
     try:
         low, high, theta = 0.0, 1.0, (value - a) / (b - a)
