@@ -15,7 +15,14 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.hidden_pairs import undecided
-from contwalk.continuation.locating import Disagreement, Found, Subsegment, accepted, known_to
+from contwalk.continuation.locating import (
+    WELL_BEYOND,
+    Disagreement,
+    Found,
+    Subsegment,
+    accepted,
+    known_to,
+)
 from contwalk.continuation.segment import LostBranch, Placed, Segment, dip, looked_for
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.located import CROSSING
@@ -95,7 +102,10 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     for which, reason in lost.items():  # told by the leg that vanishes where they pass zero
         if not any(which in point.located.vectors.get("vanishing", ()) for point in found):
             raise reason
-    return sorted([*found, *doubtful], key=lambda f: f.theta)
+    # Beside one that is located, within errors of the solutions there, it is that one.
+    places, apart = np.array([f.theta for f in found]), WELL_BEYOND / segment.length
+    alone = [d for d in doubtful if np.all(np.abs(places - d.theta) > apart * d.sample.error)]
+    return sorted([*found, *alone], key=lambda f: f.theta)
 
 
 def _apart(one: Found, other: Found) -> bool:

@@ -49,14 +49,11 @@ class Earlier:
     ----------
     begun : ContinuationState, optional
         Where it began; a branch that comes back there is closed.
-    points : int
-        How many points it has had since.
     crowd : Crowd
-        Those of them that were not located.
+        Points since then that were not located.
     """
 
     begun: ContinuationState | None = None
-    points: int = 0
     crowd: Crowd = field(default_factory=Crowd)
 
 
@@ -107,7 +104,7 @@ class _Walk:
         self._problem, self._state = problem, state
         self._yielded = problem, state  # the last solution as it was yielded
         self._settings, self._observer, self._sign = settings, observer, sign
-        self._left, self._done = points, earlier.points
+        self._left = points
         self._origin = (earlier.begun or state).sample
         self._crowd, self._lost, self._allowance = earlier.crowd, SymmetriesLost(), allowance
         allowance.tell(self._origin.parameter)
@@ -189,7 +186,7 @@ class _Walk:
         return None
 
     def _counted(self, point: Point) -> Point:
-        self._done, self._left = self._done + 1, self._left - 1
+        self._left -= 1
         sample = point.state.sample
         self._allowance.tell(sample.parameter, sample.evaluations)
         return point

@@ -98,7 +98,7 @@ def place_of_closure(segment: Segment, found: list[Found], origin: Sample) -> fl
     """
     if segment.problem.meshed is not None:
         back = _comes_back(segment, origin)
-        back = _finds_again(segment, found, origin) if back is None else back
+        back = _finds_again(segment, found, origin) if back is None and found else back
         return None if back is None or segment.problem.equivalence.same(origin, segment.a) else back
     z = segment.problem.equivalence.nearest_turn(origin.z, segment.a.z)
     theta = segment.position(z)

@@ -237,7 +237,7 @@ class BranchWalk:
     ) -> Iterator[Event]:
         """One direction of a branch, walked from a place to its end."""
         settings, last = self._plan.settings, place[1].sample
-        done = sum(1 for row in work.rows if row["s"][0] * sign > 0.0)
+        done = any(row["s"][0] * sign > 0.0 for row in work.rows)
         begun = from_row(problem, work.rows[0][0], sign, work.info.parent is not None)[1] if done else None
         left = settings.max_points - spent(work, sign)
         first = None if self._begun is None else self._begun.steps.pop(sign, None)
@@ -245,7 +245,7 @@ class BranchWalk:
             first.allowance.bound = allowed
             events = first.whole()
         else:
-            earlier = Earlier(begun, done, _crowd(work, sign))
+            earlier = Earlier(begun, _crowd(work, sign))
             allowance = allowance_of(allowed, work.rows, sign)
             events = walk(*place, settings, observer, sign, left, earlier=earlier, allowance=allowance)
         for event in events:

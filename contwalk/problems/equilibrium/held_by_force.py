@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from contwalk.numerics.linear import EPSILON
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Sample
 
@@ -40,4 +41,5 @@ def takes_force(problem: EquilibriumEquations, z: np.ndarray, way: np.ndarray) -
     """
     jacobian, n = problem.jacobian(z), problem.states
     forces = np.abs(jacobian[:n, n : problem.size] * way[n : problem.size])
-    return bool(np.max(forces, initial=0.0) > 1e-9 * np.max(np.abs(jacobian[:n]) @ np.abs(way)))
+    rates, rounding = np.abs(jacobian[:n]) @ np.abs(way), EPSILON * np.max(np.abs(jacobian[:n, :n]))
+    return bool(np.max(forces, initial=0.0) > max(1e-9 * np.max(rates), rounding * np.max(np.abs(way[:n]))))

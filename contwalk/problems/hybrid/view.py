@@ -161,7 +161,7 @@ class GuardedView(LegView):
         states = self.at(at)
         at_rest = np.zeros_like(states)  # the guards' rates are not asked for
         values = self._watched(at, states, at_rest)[np.arange(len(at)), 2 * which]
-        if np.any(np.abs(values - cubics_at(at, brackets[2:])) > np.abs(values)):
+        if (np.abs(values - cubics_at(at, brackets[2:])) > np.abs(values)).any():
             self._nearer(at, values, which, np.stack(brackets[2:]))
         entries = zip(after.tolist(), at.tolist(), values.tolist(), before.tolist(), strict=True)
         for number, entry in zip(which.tolist(), entries, strict=True):

@@ -111,11 +111,10 @@ def _form(problem: OrbitData, point: OrbitKind, located: Located, sample: Sample
     count, directions = _together(problem, located, sample, point.multiplier)
     if directions < count or problem.system.conserved or volumes.kept(problem, located.z):
         return point.form_of_pair(problem, located, sample)
-    kind, criticality, coefficients, note = point.form(problem, located, sample)
-    if count < 2:
-        return kind, criticality, coefficients, note
+    form = point.form(problem, located, sample)
     # No coefficient along one direction tells of what leaves along several.
-    return kind, None, {"multiplicity": count}, SEVERAL.format(count, point.multiplier)
+    several = form[0], None, {"multiplicity": count}, SEVERAL.format(count, point.multiplier)
+    return form if count < 2 else several
 
 
 def _double(sample: Sample, critical: float) -> bool:
@@ -130,11 +129,9 @@ def _together(problem: OrbitData, located: Located, sample: Sample, critical: fl
     """
     known = np.minimum(sample.errors, MEET)
     together = np.abs(sample.eigenvalues - critical) <= known
-    if not together.any():
-        return 0, 0
     a = problem.return_map(located.z).a
     sizes = np.linalg.svd(a - critical * np.eye(len(a)), compute_uv=False)
-    least = known[together].max() * float(np.linalg.norm(a, 2))
+    least = known[together].max(initial=0.0) * float(np.linalg.norm(a, 2))
     return int(np.count_nonzero(together)), int(np.count_nonzero(sizes <= max(least, sizes[-1])))
 
 

@@ -87,7 +87,7 @@ def test_a_branch_goes_on_with_the_weights_of_the_whole_one():
     begun = from_row(problem, rows[0], 1.0, False)[1]
     place = from_row(problem, rows[stopped], 1.0, False)
     observer, left = observer_of(problem), len(rows) - 1 - stopped
-    points = walk(*place, Settings(range=ends), observer, 1.0, left, earlier=Earlier(begun, stopped))
+    points = walk(*place, Settings(range=ends), observer, 1.0, left, earlier=Earlier(begun))
     for row, point in zip(rows[stopped + 1 :], points, strict=False):
         sample = point.state.sample
         np.testing.assert_array_equal(sample.z[:-1], row["unknowns"][: len(sample.z) - 1])
