@@ -3,6 +3,11 @@
 An end lies on the step, or beside it where it failed. Beside a special point at which a curve ends the
 equations are singular and Newton's method contracts on ever shorter steps only; the point itself is known
 well, and beyond it the curve is its own mirror image.
+
+A walk gets nowhere over rounding: where the error of solutions is larger than what lies between them, as
+along canards of large growth, tests change their signs for no reason. Nor does it along a branch whose
+parameter stands still: an explosion of cycles changes by as much as the arclength says while its parameter
+moves by less than its digits. That the points are used up is true then, and says nothing.
 """
 
 from __future__ import annotations
@@ -132,7 +137,10 @@ class Crowd:
 
     def tell(self, located: bool, s: float, error: float) -> None:
         """A special point, its arclength, and what the solution there is known to, in the metric."""
-        self._last = deque([] if located else [*self._last, (s, error)], maxlen=IN_A_ROW)
+        if located:
+            self._last.clear()
+        else:
+            self._last.append((s, error))
 
     def noise(self, longest: float) -> tuple[str, float] | None:
         """What lies nearer to each other than solutions are known to, and to what they are, in the metric.

@@ -13,6 +13,7 @@ import numpy as np
 
 from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair
 from contwalk.continuation.locating import (
+    KNOWN,
     SAME_POINT,
     Disagreement,
     Found,
@@ -36,8 +37,6 @@ SECOND = (
     "A second real eigenvalue passes zero on a branch along which the parameter stands still: the branch "
     "turns back in a state, and no other one leaves there. The place is told as it is bracketed."
 )
-# The parameter turns for certain where it rises by so many times what it is known to.
-KNOWN = 10.0
 BESIDE_THE_FOLD = (
     "A multiplier goes from beyond 1 to beyond -1 at the fold, within what is known of it there."
 )

@@ -103,9 +103,8 @@ def _beside(segment: Segment, theta: float) -> Iterator[tuple[Sample, Sample]]:
 
 def undecided(segment: Segment, kind: PointType, theta: float, known: Callable[[Sample], bool]) -> Found:
     """One unlocated point for two that errors may hide, or make: between the nearest that are `known`."""
-    sides = next(
-        (sides for sides in _beside(segment, theta) if all(map(known, sides))), (segment.a, segment.b)
-    )
+    ends = segment.a, segment.b
+    sides = next((sides for sides in _beside(segment, theta) if all(map(known, sides))), ends)
     first, last = sorted(side.parameter for side in sides)
     counts = {"before": segment.a.unstable, "after": segment.a.unstable, "counted": True}
     return unlocated(theta, kind, segment.at(theta), last - first, DOUBTFUL.format(first, last), **counts)

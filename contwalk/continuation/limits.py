@@ -23,7 +23,7 @@ from contwalk.continuation.locating import (
     accepted,
     known_to,
 )
-from contwalk.continuation.segment import LostBranch, Placed, Segment, dip, looked_for
+from contwalk.continuation.segment import LostBranch, Placed, Segment, dip_between, looked_for
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.located import CROSSING
 from contwalk.problems.problem import Limit, Located, Problem, Sample
@@ -333,23 +333,13 @@ def dips(segment: Segment, rounded: float, known: float) -> Iterator[tuple[float
 def _passing(segment: Segment, which: int, sign: float, rounded: float) -> Iterator[float]:
     """Places at which a margin that has a sign at both ends of a segment has the other one."""
 
+    def value(sample: Sample) -> float:
+        return sign * float(sample.margins[which])
+
     def place(low: Placed, high: Placed) -> float | None:
-        """Where the cubic of a margin is least, if it falls at the one end and grows at the other."""
-        values = [sign * float(sample.margins[which]) for _, sample in (low, high)]
-        if not min(values) > 0.0:
-            return None
-        rates = []
-        for (_, sample), falls in ((low, True), (high, False)):  # the second has its price as well
-            rate = sign * (high[0] - low[0]) * segment.length * _rate(segment, sample, which)
-            if not (rate < 0.0 if falls else rate > 0.0):
-                return None
-            rates.append(rate)
-        return dip(values, rates)
+        return dip_between(segment, low, high, value, lambda s: sign * _rate(segment, s, which))
 
-    def passes(sample: Sample) -> bool:
-        return sign * float(sample.margins[which]) < -rounded
-
-    return looked_for(segment, (0.0, segment.a), (1.0, segment.b), place, passes)
+    return looked_for(segment, (0.0, segment.a), (1.0, segment.b), place, lambda s: value(s) < -rounded)
 
 
 def _rate(segment: Segment, sample: Sample, which: int) -> float:

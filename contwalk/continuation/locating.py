@@ -29,7 +29,7 @@ LOCATION_TOLERANCE = 1e-6
 DOUBTED = 1e-2
 # On the finest steps a position is looked at so far to both sides, in parts of the segment.
 NEIGHBOURHOOD = 0.02
-# The function may be off by so many times what eigenvalues away from the point are not known to.
+# So many times what something is known to are beyond doubt.
 KNOWN = 10.0
 
 
@@ -231,7 +231,10 @@ def sample_at(segment: Segment, kind: PointType, located: Located, near: Sample)
 
 
 def located_along(segment: Segment, kind: PointType, low: float, high: float, which: int) -> Found | None:
-    """The point of a kind between two positions, on the finest steps that there are, if there is one."""
+    """The point of a kind between two positions, on the finest steps that there are, if there is one.
+
+    It is located along the branch by a function of its own: its equations are singular there.
+    """
     theta = _zero(segment, kind, low, high)
     if theta is None:
         return None

@@ -12,7 +12,7 @@ from contwalk import quantities
 from contwalk.continuation.kinds import kind_of_test
 from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
-from contwalk.continuation.segment import LostBranch, Placed, Segment, dip, looked_for
+from contwalk.continuation.segment import LostBranch, Placed, Segment, dip_between, looked_for
 from contwalk.continuation.settings import Mark
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.bracketing import narrow
@@ -98,23 +98,19 @@ def marked(
 
 def _levels(segment: Segment, name: str, level: float, observer: Observer) -> list[Found]:
     """Where a value is met on a segment: between its ends, or twice, before and behind an extremum."""
+    sign = float(np.sign(observer.value(name, segment.a) - level))
 
-    def value(theta: float) -> float:
-        return observer.value(name, segment.at(theta)) - level
+    def value(sample: Sample) -> float:
+        return sign * (observer.value(name, sample) - level)
+
+    def rate(sample: Sample) -> float:
+        return sign * _rate(segment, name, observer, sample)
 
     def nearest(low: Placed, high: Placed) -> float | None:
-        ends = value(low[0]), value(high[0])
-        if not ends[0] * ends[1] > 0.0:
-            return None
-        way = float(np.sign(ends[0])) * (high[0] - low[0]) * segment.length
-        rates = [way * _rate(segment, name, observer, sample) for _, sample in (low, high)]
-        return dip([abs(end) for end in ends], rates, corner=True) if rates[0] < 0.0 < rates[1] else None
-
-    def beyond(sample: Sample) -> bool:
-        return (observer.value(name, sample) - level) * value(0.0) < 0.0
+        return dip_between(segment, low, high, value, rate, corner=True)
 
     try:
-        between = looked_for(segment, (0.0, segment.a), (1.0, segment.b), nearest, beyond)
+        between = looked_for(segment, (0.0, segment.a), (1.0, segment.b), nearest, lambda s: value(s) < 0.0)
         knots = [0.0, *islice(between, 1), 1.0]
     except LostBranch:
         knots = [0.0, 1.0]

@@ -1,4 +1,9 @@
-"""The metric in which arclength is measured: unknowns and parameter in units of their typical magnitudes."""
+"""The metric in which arclength is measured: unknowns and parameter in units of their typical magnitudes.
+
+At the start of a branch an unknown may be zero and tell none itself. What an equation tells of it is the
+change of it that would matter in that equation alone: of a stiff system, as a boundary value problem on a
+fine grid, that is far less than how far it moves along the branch; of terms that are noise it is noise.
+"""
 
 from __future__ import annotations
 

@@ -23,6 +23,8 @@ NEAR_ZERO = 0.5
 HALVINGS = 6
 # A solution and its position on a segment.
 Placed = tuple[float, Sample]
+# What is asked of a solution.
+Function = Callable[[Sample], float]
 
 
 class LostBranch(Exception):
@@ -144,6 +146,23 @@ def dip(values: Sequence[float], rates: Sequence[float], corner: bool = False) -
     meet = (values[1] - values[0] - rates[1]) / (rates[0] - rates[1])
     nearest = min(least.min(), values[0] + rates[0] * meet if corner else np.inf)
     return float(places[np.argmin(least)]) if nearest < NEAR_ZERO * min(values) else None
+
+
+def dip_between(
+    segment: Segment, low: Placed, high: Placed, value: Function, rate: Function, corner: bool = False
+) -> float | None:
+    """Where between two solutions a function that is positive at both may be least, as `dip` has it.
+
+    Its rate, by arclength, has a price: behind it is asked for only where the function falls before.
+    """
+    values, rates = [value(sample) for _, sample in (low, high)], list[float]()
+    if not min(values) > 0.0:
+        return None
+    for (_, sample), way in ((low, -1.0), (high, 1.0)):
+        rates.append((high[0] - low[0]) * segment.length * rate(sample))
+        if not way * rates[-1] > 0.0:
+            return None
+    return dip(values, rates, corner)
 
 
 def looked_for(
