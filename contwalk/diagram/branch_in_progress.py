@@ -25,11 +25,12 @@ from contwalk.system import System
 class Start:
     """One entry of the queue.
 
-    `opening` is an `Outcome` where the start failed; `orbit`: of an orbit; `leaves`: the kind of special
-    point that it leaves; `number`: which start of a run it is, counted from 0, then which of those that grow
-    out of that one's branch, and so on, where others can make it from that; `above`: of each branch on the
-    way to it, the first one's first, its special points; `would_be`: of a start that failed, what is true of
-    its branch beside what all failed ones have.
+    `opening` is an `Outcome` where the start failed; `generation`: as `depth`, but that what goes on beyond a
+    limit, as the same family of another itinerary, is of the generation that came to it; `orbit`: of an
+    orbit; `leaves`: the kind of special point that it leaves; `number`: which start of a run it is, counted
+    from 0, then which of those that grow out of that one's branch, and so on, where others can make it from
+    that; `above`: of each branch on the way to it, the first one's first, its special points; `would_be`: of
+    a start that failed, what is true of its branch beside what all failed ones have.
     """
 
     system: System
@@ -39,6 +40,7 @@ class Start:
     origin: str
     parent: tuple[str, float] | None = None
     depth: int = 0
+    generation: int = 0
     orbit: bool = False
     leaves: PointType | None = None
     number: tuple[int, ...] = ()

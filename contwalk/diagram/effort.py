@@ -59,7 +59,7 @@ class Efforts:
         if first is None:
             return Bound()
         most = self._effort * first.each * first.points
-        if not self._is_deeper(start, info) or start.depth < 2:  # what leaves a run's starts is its answer
+        if not self._is_deeper(start, info) or start.generation < 2:  # a run's answer
             return Bound(most)
         points = self._effort * first.each * self._periods(start)
         step = self._settings.max_share * self._settings.width
@@ -70,8 +70,8 @@ class Efforts:
         bound, root = self.most(start, info), _root(start)
         if not self._is_deeper(start, info):
             return bound
-        beyond = bound.beyond * (1.0 - self._beyond.get(root, 0.0))
-        return Bound(bound.most - self._deeper[root], beyond, bound.worth)
+        part = 1.0 - self._beyond.get(root, 0.0)
+        return Bound(bound.most - self._deeper[root], bound.beyond * part, bound.worth)
 
     def tell(self, start: Start, branch: Branch) -> None:
         """A branch is there."""
@@ -79,8 +79,7 @@ class Efforts:
         if any(point.label == END and point.kind == REASON for point in branch.special_points):
             self._stopped.append(branch.name)
         if self._is_deeper(start, branch.info):
-            bound = self.most(start, branch.info)
-            values = branch.points["free"][:, 0]
+            bound, values = self.most(start, branch.info), branch.points["free"][:, 0]
             over = cost - bound.worth * float(np.ptp(values)) if len(values) else 0.0
             self._deeper[root] += cost
             self._beyond[root] = self._beyond.get(root, 0.0) + max(over, 0.0) / bound.beyond
@@ -93,7 +92,7 @@ class Efforts:
         whole = 1.0 / self._settings.max_share if problem[1] else self._settings.max_points
         self._first.setdefault(problem, _First(cost / len(branch), max(len(branch), whole)))
         if problem == _FAMILY:
-            self._generation.setdefault(root, start.depth)
+            self._generation.setdefault(root, start.generation)
 
     def pass_over(self, start: Start) -> None:
         """Nothing is left for a branch, and it is not begun."""
@@ -114,7 +113,7 @@ class Efforts:
     def _is_deeper(self, start: Start, info: BranchInfo) -> bool:
         born = start.leaves is not None and start.leaves.births
         generation = self._generation.get(_root(start), math.inf)
-        return _problem(info) == _FAMILY and not born and start.depth > generation
+        return _problem(info) == _FAMILY and not born and start.generation > generation
 
     def _periods(self, start: Start) -> float:
         """Of how many periods of the first orbits those of a start are: twice as many if doubled."""
@@ -122,8 +121,7 @@ class Efforts:
         if parent not in self._known or isinstance(start.opening, Outcome):
             return 1.0
         (branch, before), sample = self._known[parent], start.opening.state.sample
-        there = branch.points["s"] == s
-        ratio = sample.period / branch.points["period"][there].mean()
+        ratio = sample.period / branch.points["period"][branch.points["s"] == s].mean()
         return before * max(1.0, round(ratio)) if math.isfinite(ratio) else before
 
 

@@ -52,6 +52,7 @@ def grown(
                 origin=f"{name}/{point.name}",
                 parent=(name, point.s) if daughter else None,
                 depth=start.depth + deeper,
+                generation=start.generation + (deeper and not isinstance(kind, LimitType)),
                 leaves=kind if daughter else None,
                 orbit=start.orbit or problem.meshed is not None or kind.births,
                 number=(*start.number, number) if start.number else (),

@@ -123,7 +123,7 @@ def switch_branch(
     begun = begin(seed.problem, seed.z, chosen, seed.tangent, seed.reach)
     opening = Opening(seed.problem, begun, one_sided=seed.one_sided)  # type: ignore[arg-type]  # a seed lies on the branch already
     parent = (branch.name, special.s)
-    start = Start(problem.system, problem.free, dict(problem.parameters), opening, special.name, parent, 1)
+    start = Start(problem.system, problem.free, dict(problem.parameters), opening, special.name, parent, 1, 1)
     return _single(start, Plan(chosen, frozenset(), 0))
 
 

@@ -60,6 +60,48 @@ start: {equilibrium: rest}
 continue: {parameter: r, range: [-1.0, 3.0]}
 """
 
+# Pads at 1 and 2: one family of forced orbits, which rests on none of them, on one, on both.
+PADS = """\
+from math import cos, pi
+
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def held(pads):
+    def rate(t, x, p, dx):
+        dx[0] = x[1]
+        dx[1] = p.A * cos(0.8 * t) - x[0] - 0.4 * x[1]
+        if pads > 0:
+            dx[1] -= 0.5 * (x[0] - 1.0)
+        if pads > 1:
+            dx[1] -= 0.5 * (x[0] - 2.0)
+    return rate
+
+def before(place):
+    return lambda t, x, p: place - x[0]
+
+def beyond(place):
+    return lambda t, x, p: x[0] - place
+
+SYSTEM = System(
+    "pads", states=(State("x"), State("v")), parameters=(Parameter("A", 0.3),),
+    modes=tuple(Mode(name, held(pads)) for pads, name in enumerate(("free", "one", "two"))),
+    transitions=(
+        Transition("hits1", "free", "one", before(1.0)), Transition("leaves1", "one", "free", beyond(1.0)),
+        Transition("hits2", "one", "two", before(2.0)), Transition("leaves2", "two", "one", beyond(2.0)),
+    ),
+    period=lambda p: 2.5 * pi,
+)
+"""
+
+PADDED = """\
+contwalk: 1
+system: ./pads.py
+start: {simulate: {state: {x: 0.1, v: 0}, mode: free, until: settled}}
+continue: {parameter: A, range: [0.1, 3.0]}
+diagram: {depth: 4, effort: none}
+events: {GR: switch}
+"""
+
 
 @pytest.fixture(scope="module")
 def band(tmp_path_factory):
@@ -195,6 +237,20 @@ def test_branches_of_equilibria_have_all_their_points(tmp_path):
     found = computed(tmp_path, "all.h5", "diagram.effort=none").branches
     assert found[1].cost["rhs"] > 2 * found[0].cost["rhs"]
     assert_alike(computed(tmp_path, "one.h5", "diagram.effort=1").branches, found)
+
+
+def test_pieces_of_one_family_between_grazings_are_no_generations(tmp_path):
+    (tmp_path / "pads.py").write_text(PADS, encoding="utf-8")
+    (tmp_path / "run.yaml").write_text(PADDED, encoding="utf-8")
+    found = computed(tmp_path, "all.h5").branches
+    both = ("hits1", "hits2", "leaves2", "leaves1")
+    assert [branch.info.signature for branch in found] == [(), ("hits1", "leaves1"), both]
+    first, second, third = (branch.cost["rhs"] for branch in found)
+    for_each = 2.02 * third / (64 * first / len(found[0]))  # each of two directions may have a half
+    assert second > 0.02 * third  # together they cost more than one of them may
+    assert_alike(computed(tmp_path, "less.h5", f"diagram.effort={for_each!r}").branches, found)
+    last = computed(tmp_path, "least.h5", f"diagram.effort={0.9 * for_each!r}").branches[-1]
+    assert last.outcome.reason == "effort"
 
 
 @pytest.mark.slow
