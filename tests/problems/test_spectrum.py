@@ -55,13 +55,16 @@ def test_the_error_of_a_small_eigenvalue_is_its_own_where_the_others_are_far():
 @pytest.mark.parametrize("rate", [1.0, -3.0])
 def test_the_sign_of_two_that_are_one_with_their_vectors_is_known(similar, rate):
     """x'' = 2 a x' - a^2 x: a twice, with one vector. First order knew nothing, and neither did anyone."""
-    matrix = similar @ np.array([[0.0, 1.0], [-(rate**2), 2.0 * rate]]) @ np.linalg.inv(similar)
-    found = spectrum(matrix, np.zeros((2, 2)), EPSILON * np.abs(matrix))
+    block, back = np.array([[0.0, 1.0], [-(rate**2), 2.0 * rate]]), np.linalg.inv(similar)
+    matrix = similar @ block @ back
+    # Two products of two terms each, and an inverse of as much again: so far entries are from that block's.
+    entries = 8.0 * EPSILON * np.abs(similar) @ np.abs(block) @ np.abs(back)
+    found = spectrum(matrix, np.zeros((2, 2)), entries)
     assert np.all(np.abs(found.values - rate) <= found.errors)
     assert np.all(found.errors <= 1e-6 * abs(rate))
     assert found.unstable(None) == (2 if rate > 0.0 else 0)
     # Entries that are off by their rounding move them by the root of it, and by less than is claimed.
     draw = np.random.default_rng(1)
     for _ in range(20):
-        moved = matrix * (1.0 + EPSILON * draw.uniform(-1.0, 1.0, matrix.shape))
+        moved = matrix + entries * draw.uniform(-1.0, 1.0, matrix.shape)
         assert np.abs(np.linalg.eigvals(moved) - rate).max() <= found.errors.min()
