@@ -28,8 +28,8 @@ NEAR, CONTRACTS = 1e-2, 0.1
 APPROACHES, NEARS = 8, 0.5
 # Iterations that may follow when corrections are small already.
 SETTLING = 12
-# A correction of so many iterations shortens the next step: unknowns that are hard to guess are fitted.
-LABORIOUS = 4
+# A correction that takes more than so many iterations, as a real number: what is hard to guess is fitted.
+LABORIOUS = 3.0
 # Fitted unknowns take a solution out of its hyperplane: it is back in it to this part of the metric.
 ON_PLANE = 1e-9
 
@@ -123,7 +123,7 @@ def correct(
             found = None if beside is None else _from_beside(equations, beside, iterations)
             if found is None:
                 found = _iterated(equations, guess, iterations, damped)
-            if not damped and (not found.ok or found.iterations >= LABORIOUS):
+            if not damped and (not found.ok or found.effort > LABORIOUS):
                 found = _with_fitted(equations, iterations, found)
             if found.ok:
                 return _without_dust(found, weights)
@@ -138,17 +138,16 @@ def correct(
 def _with_fitted(equations: _Equations, iterations: int, found: Correction) -> Correction:
     """Newton's method on the other unknowns, those that are hard to guess solved for after each of its steps.
 
-    What was found without stays where this takes no fewer iterations, or where no unknowns are of that kind.
+    What was found without stays where this takes no less effort, or where no unknowns are of that kind.
     """
     given = equations.normal, equations.weights
-    known = equations.at(equations.guess) if found.linearization is None else found.linearization
-    fitted = known.fitted
+    fitted = (found.linearization or equations.at(equations.guess)).fitted
     if fitted is None:
         return found
     z, effort, previous = fitted(equations.guess, *given), 0, np.inf
     most = iterations + 1 if not found.ok else found.iterations
     equations.begin()
-    while z is not None and effort < most:
+    while z is not None and effort <= most:
         lin = equations.at(z)
         if not lin.finite:
             return found
@@ -156,7 +155,8 @@ def _with_fitted(equations: _Equations, iterations: int, found: Correction) -> C
         size = equations.size(step)
         equations.sizes.append(size)
         if size < ON_PLANE or (size < NEARLY and size > 0.25 * previous):
-            return equations.ended(z, lin, effort) if lin.excess <= ROUNDED else found
+            other = equations.ended(z, lin, effort)
+            return other if lin.excess <= ROUNDED and (not found.ok or other.effort < found.effort) else found
         if step is None or size > min(0.7 * previous, LARGEST_MAGNITUDE):
             return found
         z, previous = fitted(z - step, *given), size
