@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from enum import Enum, auto
 
 import numpy as np
 
@@ -38,12 +39,27 @@ class Attempt:
         return kinks_passed.jump(self.passed)
 
 
+class Cause(Enum):
+    """What makes an attempt no step: the solution itself, where it lies, or what lies on the way to it."""
+
+    NO_SOLUTION = auto()  # none is found, or its equations have no value
+    TURNS = auto()  # the branch turns too much, ends beyond what is allowed, or another branch is met
+    PARABOLA = auto()  # it turns as the parabola does that a branch begins as
+    BLURRED = auto()  # it turns within the error of where it ends
+    PARENT = auto()  # it ends on the branch that this one has left
+    UNDECIDED = auto()  # the tests do not agree, or what they see cannot be located
+
+
 @dataclass(frozen=True)
 class Refusal:
-    """Why an attempt is none: a reason code, in words; `instead`, the length to try next, if known."""
+    """Why an attempt is none: a cause, and in words; of solutions that are not there, their reason code.
 
-    reason: str
+    `instead` is the length to try next, if known.
+    """
+
+    cause: Cause
     explanation: Explanation
+    reason: str = ""
     instead: float | None = None
 
 

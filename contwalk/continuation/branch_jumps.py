@@ -18,11 +18,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.continuation import control
+from contwalk.continuation.attempt import Cause, Prediction, Refusal
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import Segment
+from contwalk.continuation.settings import Settings
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in
-from contwalk.problems.problem import Problem
+from contwalk.problems.problem import Problem, Sample
 
 # What smooth steps stay below: parts of the turn; and where they do not turn, what rounding makes of a chord.
 OF_TURN, NO_TURN = 0.1, 1e-5
@@ -39,6 +42,7 @@ HALVINGS = 8
 MEET, KNOWN, NEAR = 1e-2, 100.0, 1e-7
 # A step this short, in the metric, is not doubted: a branch nearer than a fiftieth of it is none beside it.
 SHORT = 1e-4
+ELSEWHERE = "The step does not lie along the branch: it may have left it for another one."
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,28 @@ class _Middle:
 
     z: np.ndarray
     tangent: np.ndarray
+
+
+def misshapen(
+    a: Sample,
+    z: np.ndarray,
+    tangent: np.ndarray,
+    prediction: Prediction,
+    settings: Settings,
+    shorter: bool,
+) -> Refusal | None:
+    """Why a step is refused on which the branch turns too much, or that may have ended on another branch.
+
+    z, where it ends, and the tangent there have the shape (N + 1,). Where longer ones have led to the
+    parabola that a branch begins as, what is none is errors: `shorter`.
+    """
+    cause, angle = Cause.BLURRED if shorter else Cause.TURNS, control.turn(a, tangent)
+    moved = norm_in(z - prediction.guess, a.weights)
+    if angle > settings.max_angle or moved > 0.5 * prediction.length:
+        parabola = a.orientation == 0.0 and not prediction.to_bound and control.is_parabola(a, z, tangent)
+        sentence = f"The branch turns by {angle:.0f} degrees in one step."
+        return Refusal(Cause.PARABOLA if parabola else cause, sentence)
+    return Refusal(cause, ELSEWHERE) if control.left_branch(a, z, tangent, angle) else None
 
 
 def jumped(segment: Segment, effort: float) -> bool:

@@ -15,7 +15,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from contwalk.continuation.double_crossings import Hidden, knots_of
+from contwalk.continuation.double_crossings import knots_of
 from contwalk.continuation.folds import (
     FLAT,
     at_the_turn,
@@ -70,11 +70,13 @@ def bifurcations(segment: Segment) -> list[Found]:
     """
     try:
         found = _in_order(segment)
-    except Hidden as hidden:
+    except Disagreement as disagreement:
+        if disagreement.hidden is None:
+            raise
         try:
-            found = _in_three_parts(segment, hidden)
+            found = _in_three_parts(segment, disagreement, *disagreement.hidden)
         except Disagreement:
-            found = at_the_turn(segment, hidden.which)
+            found = at_the_turn(segment, disagreement.hidden[1])
             if not found:
                 raise
     _check_apart(segment, found)
@@ -95,15 +97,15 @@ def _in_order(segment: Segment) -> list[Found]:
     return _counted(segment, sorted(found, key=lambda f: f.theta), [segment.at(t).unstable for t in knots])
 
 
-def _in_three_parts(segment: Segment, hidden: Hidden) -> list[Found]:
-    """All bifurcations on a segment, what errors of its steps hide from the finest steps.
+def _in_three_parts(segment: Segment, hidden: Disagreement, theta: float, which: int) -> list[Found]:
+    """All bifurcations on a segment, what errors of its steps hide at a place from the finest steps.
 
     Raises
     ------
     Disagreement, LostBranch
         As well where the finest steps hide it too, or count otherwise where they begin and end.
     """
-    finer = on_finest_steps(segment, hidden.theta, hidden.which)
+    finer = on_finest_steps(segment, theta, which)
     if finer is None:
         raise hidden
     low, high = finer.sides

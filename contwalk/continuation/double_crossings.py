@@ -73,24 +73,13 @@ def _dips(segment: Segment, ends: list[Placed], knots: list[float]) -> Iterator[
                 yield low, high, which
 
 
-class Hidden(Disagreement):
-    """A multiplier goes from beyond 1 to beyond -1, and neither is seen: where it changes its sign."""
-
-    def __init__(self, segment: Segment, which: int, theta: float) -> None:
-        super().__init__(
-            turning_or_pair(segment.problem),
-            "A multiplier goes from beyond 1 to beyond -1, and neither is seen.",
-        )
-        self.which, self.theta = which, theta
-
-
 def _between_one_and_minus_one(segment: Segment) -> float | None:
     """Where a multiplier that goes from beyond 1 to beyond -1, or back, is between: the count differs there.
 
     Raises
     ------
-    Hidden
-        If it goes by zero, and the count is that of the ends all the way.
+    Disagreement
+        If it goes by zero, and the count is that of the ends all the way: with where it is zero.
     """
     a, b = segment.a, segment.b
     which = None if segment.problem.meshed is None else _changes_sides(a, b)
@@ -116,7 +105,8 @@ def _between_one_and_minus_one(segment: Segment) -> float | None:
     # Of an orbit with events it changes sides by a pole as well, where one is grazed: it passes neither then.
     by_a_pole = segment.problem.limited is not None and largest > max(abs(end) for end in ends)
     if found is None and not by_a_pole:
-        raise Hidden(segment, which, place)
+        sentence = "A multiplier goes from beyond 1 to beyond -1, and neither is seen."
+        raise Disagreement(turning_or_pair(segment.problem), sentence, (place, which))
     return found
 
 

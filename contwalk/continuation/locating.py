@@ -62,17 +62,15 @@ def unlocated(
     return Found(theta, kind, located, sample, kind="unlocated", **further)
 
 
-class TooLong(Exception):
-    """A step is too long to be trusted, or to be told from its end."""
+class Disagreement(Exception):
+    """The tests do not agree, or what they see, a point of this kind, cannot be located.
 
+    `hidden` is the place 0..1 and the number of a stability measure of which finer steps may show more.
+    """
 
-class Disagreement(TooLong):
-    """The tests do not agree, or what they see, a point of this kind, cannot be located."""
-
-    def __init__(self, kind: PointType, sentence: str) -> None:
+    def __init__(self, kind: PointType, sentence: str, hidden: tuple[float, int] | None = None) -> None:
         super().__init__(sentence)
-        self.type = kind
-        self.sentence = sentence
+        self.type, self.sentence, self.hidden = kind, sentence, hidden
 
 
 def locate(

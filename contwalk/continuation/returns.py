@@ -12,7 +12,7 @@ import numpy as np
 
 from contwalk.continuation import outcomes
 from contwalk.continuation.kinds import kind_of_test
-from contwalk.continuation.locating import Found, TooLong, passes_through, sample_at
+from contwalk.continuation.locating import Disagreement, Found, passes_through, sample_at
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
@@ -32,15 +32,6 @@ CLOSED, BESIDE = 1e-5, 1e-2
 FOUND_AGAIN = 1e-6
 # What tells points at which another branch crosses.
 CROSSINGS = (Test.ORIENTATION, Test.TOGETHER)
-
-
-class WentOver(TooLong):
-    """A step that ends on the parent of its branch."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            "The step ends on a solution that repeats itself, or is its own image, as those before do not."
-        )
 
 
 def back_at_parent(
@@ -67,7 +58,7 @@ def back_at_parent(
         segment = Segment(problem, a, there)
         if not _nothing_between(a, there) or marked(segment, settings.sought, observer, [1.0]):
             return None
-    except (*outcomes.BREAKDOWNS, LostBranch, TooLong):
+    except (*outcomes.BREAKDOWNS, LostBranch, Disagreement):
         return None
     return segment, Found(1.0, kind, settled, there, a.unstable, a.unstable, counted=True)
 

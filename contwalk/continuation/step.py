@@ -10,7 +10,7 @@ from contwalk.branch import Outcome
 from contwalk.continuation import branch_jumps, control, kinks_passed, limits, outcomes
 from contwalk.continuation.attempt import (
     Attempt,
-    Prediction,
+    Cause,
     Refusal,
     attempt,
     nearest_bound,
@@ -20,15 +20,14 @@ from contwalk.continuation.correction import Explanation, text_of
 from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.ends import edge_reached, end_ahead, up_to_end
 from contwalk.continuation.folds import at_branch_point
-from contwalk.continuation.locating import SAME_POINT, WELL_BEYOND, Disagreement, Found, TooLong, unlocated
+from contwalk.continuation.locating import SAME_POINT, WELL_BEYOND, Disagreement, Found, unlocated
 from contwalk.continuation.marks import Observer
-from contwalk.continuation.returns import WentOver, back_at_parent
+from contwalk.continuation.returns import back_at_parent
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.special_points import COINCIDE, everything, everything_before, with_counts
 from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite, PluginError
-from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Problem, Sample, Test
 
 # A family of orbits is followed to this size, in the metric, before it counts as shrunk onto its Hopf point.
@@ -41,14 +40,11 @@ BLURRED = 0.1
 SUDDENLY = 1e3  # what is known so many times worse than before, and not to its size, may be anything
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
-
-
-class Parabola(TooLong):
-    """The branch turns too much within a step from a branch point, as the parabola does that it is there."""
-
-
-class _Blurred(TooLong):
-    """A step from a branch point that is lost in the error of where it ends."""
+ON_PARENT = "The step ends on a solution that repeats itself, or is its own image, as those before do not."
+UNTOLD_FROM_PARENT = (
+    "The branch is not told from the one that it leaves: what is found is that one's. A finer `accuracy` may "
+    "tell them apart."
+)
 
 
 @dataclass(frozen=True)
@@ -61,10 +57,21 @@ class Step:
     next_length: float
 
 
+def take_step(
+    problem: Problem, state: ContinuationState, settings: Settings, observer: Observer
+) -> Step | Outcome:
+    """The longest step from here that converges, turns little, and on which the tests agree."""
+    return _Search(problem, state, settings, observer).step()
+
+
 @dataclass
 class _Search:
-    """What longer attempts at a step have told."""
+    """The search for a step from a solution, by shorter and shorter attempts, and what these have told."""
 
+    problem: Problem
+    state: ContinuationState
+    settings: Settings
+    observer: Observer
     # Where a field ends ahead: the reason, whatever stops later.
     edge: tuple[str, Explanation] | None = None
     # Steps from a branch point on which the branch is a parabola that turns too much; whether one is tried.
@@ -76,197 +83,231 @@ class _Search:
     # What the smallest step sees and cannot locate.
     seen: Found | None = None
 
+    def step(self) -> Step | Outcome:
+        """The first attempt that is a step, or how the branch ends."""
+        length = min(self.state.step, self.settings.max_step)
+        while True:
+            attempted = attempt(self.problem, self.state, length, self.settings)
+            met = self._met(attempted)
+            if isinstance(met, Outcome):
+                return met
+            self.on_parabola = isinstance(met, Refusal) and met.instead is not None
+            if isinstance(met, Refusal) and met.instead is not None:
+                length = met.instead
+                continue
+            # Beside a point at which curves end, steps fail, or their ends are not known beside their length.
+            doubtful = isinstance(met, Refusal) or met.there.error > BLURRED * length
+            if doubtful and not self.ended:
+                self.ended = True
+                end = end_ahead(self.problem, self.state.sample, length, self.settings, self.observer)
+                if end is not None:
+                    return Step(end[0], end[0].b, [end[1]], length)
+            if isinstance(met, Step):
+                return met
+            outcome = self._given_up(attempted, met)
+            if outcome is not None:
+                return outcome
+            length = self._shorter(attempted)
 
-def take_step(
-    problem: Problem, state: ContinuationState, settings: Settings, observer: Observer
-) -> Step | Outcome:
-    """The longest step from here that converges, turns little, and on which the tests agree."""
-    length, search = min(state.step, settings.max_step), _Search()
-    while True:
-        attempted = attempt(problem, state, length, settings)
-        met = _met(attempted, search, state, settings, observer)
-        if isinstance(met, Outcome):
+    def _met(self, attempted: Attempt) -> Step | Outcome | Refusal:
+        """The step that an attempt is, how the branch ends on it, or why it is none."""
+        correction = attempted.correction
+        if attempted.jump is not None:
+            refused = kinks_passed.refusal(correction.problem, attempted.jump)
+            return Refusal(Cause.NO_SOLUTION, refused, "plugin_error")
+        if not correction.ok:
+            return Refusal(Cause.NO_SOLUTION, correction.explanation, correction.reason)
+        try:
+            met = self._taken(attempted)
+        except (Disagreement, LostBranch) as error:
+            met = Refusal(Cause.UNDECIDED, str(error))
+        except np.linalg.LinAlgError:
+            sentence = "The equations are singular there in more than one direction."
+            return Refusal(Cause.NO_SOLUTION, sentence)
+        except (PluginError, NotFinite) as error:
+            return Refusal(Cause.NO_SOLUTION, error.sentence, error.reason)
+        if not isinstance(met, Refusal):
+            return self._seen_once(met, attempted)
+        if met.cause is Cause.BLURRED:  # the last step that turned too much was a parabola: that one, then
+            return replace(met, instead=self.parabolas.pop())
+        if met.cause is Cause.PARABOLA:
+            self.parabolas.append(attempted.length)
             return met
-        search.on_parabola = isinstance(met, Refusal) and met.instead is not None
-        if isinstance(met, Refusal) and met.instead is not None:
-            length = met.instead
-            continue
-        # Beside a point at which curves end, steps fail, or end where little is known beside their length.
-        doubtful = isinstance(met, Refusal) or met.there.error > BLURRED * length
-        if doubtful and not search.ended:
-            search.ended = True
-            end = end_ahead(problem, state.sample, length, settings, observer)
-            if end is not None:
-                return Step(end[0], end[0].b, [end[1]], length)
-        if isinstance(met, Step):
-            return met
-        outcome = _given_up(problem, attempted, met, search, state, settings, observer)
-        if outcome is not None:
-            return outcome
-        length = _shorter(problem, state, attempted)
+        return self._regained(attempted, met) or met
 
+    def _taken(self, attempted: Attempt) -> Step | Outcome | Refusal:
+        """The step that a corrected attempt is, with all that is special on it, or how the branch ends on it.
 
-def _met(
-    attempted: Attempt, search: _Search, state: ContinuationState, settings: Settings, observer: Observer
-) -> Step | Outcome | Refusal:
-    """The step that an attempt is, how the branch ends on it, or why it is none."""
-    correction, length = attempted.correction, attempted.length
-    if attempted.jump is not None:
-        return Refusal("plugin_error", kinks_passed.refusal(correction.problem, attempted.jump))
-    if not correction.ok:
-        return Refusal(correction.reason, correction.explanation)
-    try:
-        return _seen_once(_taken(attempted, search, state, settings, observer), attempted, search, state)
-    except _Blurred:
-        return Refusal(correction.reason, "", instead=search.parabolas.pop())
-    except Parabola as error:
-        search.parabolas.append(length)
-        return Refusal(correction.reason, str(error))
-    except (TooLong, LostBranch) as error:
-        blind = length < state.sample.error
-        if isinstance(error, WentOver) or (blind and not search.looked):
-            search.looked = search.looked or blind
-            reach = max(length, state.sample.error) if blind else length
-            back = back_at_parent(correction.problem, state.sample, reach, settings, observer)
-            if back is not None:
-                segment, point = back
-                return Step(segment, segment.b, [point], length)
-        return Refusal(correction.reason, str(error))
-    except np.linalg.LinAlgError:
-        return Refusal(correction.reason, "The equations are singular there in more than one direction.")
-    except (PluginError, NotFinite) as error:
-        return Refusal(error.reason, error.sentence)
+        Raises
+        ------
+        Disagreement, LostBranch
+            If what is special on it cannot be told.
+        """
+        prediction, smallest, length = attempted.prediction, attempted.smallest, attempted.length
+        segment = self._segment(attempted)
+        if isinstance(segment, Refusal):
+            return segment
+        if self.parabolas and segment.b.error > BLURRED * length:
+            return Refusal(Cause.BLURRED, "Where the step ends is not known beside its length.")
+        segment = kinks_passed.with_kinks(segment, attempted.passed)
+        outcome = segment.problem.diagnosis.ended(segment.a, segment.b)
+        if outcome and not (outcome.reason == "unbounded" and towards_a_bound(segment.b, self.settings)):
+            if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
+                return Refusal(Cause.TURNS, "The orbit shrinks to nothing within the step.")
+            short = up_to_end(segment)
+            if short is None:
+                return outcome
+            segment = short
+        found = self._special(segment, smallest)
+        if not all(control.inside(f.located.z, self.settings.bounds) for f in found):
+            return Refusal(Cause.TURNS, "The step passes the end of the range and comes back.")
+        if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, self.settings):
+            return Refusal(Cause.TURNS, "The step ends at a limit, to within its errors.")
+        if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
+            found += [f for f in at_the_end(segment) if f.type.tells_of(f.located)]
+        return Step(segment, segment.b, found, self._next_length(segment, attempted))
 
+    def _segment(self, attempted: Attempt) -> Segment | Refusal:
+        """The piece of branch up to the corrected point, or why it is not to be trusted.
 
-def _taken(
-    attempted: Attempt, search: _Search, state: ContinuationState, settings: Settings, observer: Observer
-) -> Step | Outcome:
-    """The step that a corrected attempt is, with all that is special on it, or how the branch ends on it.
+        Raises
+        ------
+        LostBranch
+            If the branch cannot be followed beside the branch point that it begins at.
+        """
+        prediction, correction, a = attempted.prediction, attempted.correction, self.state.sample
+        problem, linearization = correction.problem, correction.linearization
+        smallest = attempted.smallest or self.on_parabola
+        assert linearization is not None
+        z = correction.z
+        if prediction.bounded is not None:
+            z = z.copy()
+            z[prediction.bounded] = prediction.guess[prediction.bounded]
+            if problem.diagnosis.many_branches(z):
+                return _onto_crossing(problem, a, z, linearization)
+        if np.array_equal(z, a.z):
+            return Refusal(Cause.UNDECIDED, "The step is too short to be told from none in double precision.")
+        try:
+            tangent = linearization.tangent(a.tangent / a.weights**2, a.weights)
+        except np.linalg.LinAlgError:
+            return Refusal(Cause.TURNS, "The tangent is not determined.")
+        if not smallest:
+            shorter = bool(self.parabolas)
+            refused = branch_jumps.misshapen(a, z, tangent, prediction, self.settings, shorter)
+            if refused is not None:
+                return refused
+        if not control.inside(z, self.settings.bounds):
+            return Refusal(Cause.TURNS, "The step passes the end of the range.")
+        if problem.equivalence.gains_symmetry(a.z, z):
+            return Refusal(Cause.PARENT, ON_PARENT)
+        if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(a.z, prediction.guess, z):
+            return Refusal(Cause.TURNS, UNTOLD_FROM_PARENT)
+        there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
+        suddenly = problem.meshed is not None and there.error > max(1.0, SUDDENLY * a.error)
+        if suddenly and a.orientation != 0.0:
+            return Refusal(Cause.TURNS, "What is found there is not known to its own size.")
+        there = _counted_beyond(a, there.varied(iterations=correction.iterations))
+        segment = Segment(problem, a, there)
+        if not smallest and branch_jumps.jumped(segment, correction.effort):
+            return Refusal(Cause.TURNS, branch_jumps.ELSEWHERE)
+        # Orientation is not defined at a branch point that the walk begins at.
+        return segment if a.orientation != 0.0 else Segment(segment.problem, _beside(segment), segment.b)
 
-    Raises
-    ------
-    TooLong, LostBranch
-        If it is not to be trusted.
-    """
-    prediction, smallest, length = attempted.prediction, attempted.smallest, attempted.length
-    segment = _segment(state, attempted, settings, search)
-    if search.parabolas and segment.b.error > BLURRED * length:
-        raise _Blurred("Where the step ends is not known beside its length.")
-    segment = kinks_passed.with_kinks(segment, attempted.passed)
-    outcome = segment.problem.diagnosis.ended(segment.a, segment.b)
-    if outcome and not (outcome.reason == "unbounded" and towards_a_bound(segment.b, settings)):
-        if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
-            raise TooLong("The orbit shrinks to nothing within the step.")
-        short = up_to_end(segment)
-        if short is None:
-            return outcome
-        segment = short
-    found = _special(segment, settings, observer, smallest, state, search.seen)
-    if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
-        raise TooLong("The step ends at a limit, to within its errors.")
-    if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
-        found += [f for f in at_the_end(segment) if f.type.tells_of(f.located)]
-    return Step(segment, segment.b, found, _next_length(segment, attempted, state, settings))
+    def _special(self, segment: Segment, smallest: bool) -> list[Found]:
+        """Everything special on a segment, in order; at the smallest step, what cannot be located as well.
 
+        What that has `seen` is told where it was, with the counts of a segment around it.
+        """
+        state, given = self.state, (self.settings, self.observer, self.state.sample.orientation == 0.0)
+        try:
+            reached = limits.passed(segment, begins=state.s == 0.0)
+            end = limits.stopping(segment.problem, reached, self.settings.events)
+            if end is None:
+                found = [*everything(segment, *given), *reached]
+            else:  # what lies beyond is not the machine's motion, and its tests tell nothing
+                found, end = everything_before(segment, end, *given)
+                found += limits.up_to(segment.problem, reached, end, self.settings.events)
+        except Disagreement as disagreement:
+            if not (smallest or self.seen):
+                raise
+            found = [_unlocated(segment, disagreement)]
+            if self.seen is not None:
+                place = segment.position(self.seen.located.z)
+                found = [replace(self.seen, theta=place, after=segment.b.unstable)]
+        counted = with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
+        return [f for f in counted if f.type.tells_of(f.located)]
 
-def _seen_once(
-    step: Step | Outcome, attempted: Attempt, search: _Search, state: ContinuationState
-) -> Step | Outcome | Refusal:
-    """A step, unless it is the smallest one and tells what it cannot locate.
+    def _seen_once(self, step: Step | Outcome, attempted: Attempt) -> Step | Outcome | Refusal:
+        """A step, unless it is the smallest one and tells what it cannot locate.
 
-    Within what solutions are known to, tests change their signs several times at one such point: it is told
-    by the step that leads beyond that.
-    """
-    beyond = min(SAME_POINT, WELL_BEYOND * state.sample.error)
-    lost = [f for f in step.found if f.kind == "unlocated"] if isinstance(step, Step) else []
-    if not (lost and attempted.smallest and search.seen is None and attempted.length < beyond):
-        return step
-    search.seen = lost[0]
-    return Refusal(attempted.correction.reason, search.seen.located.vectors["note"], instead=beyond)
+        Within what solutions are known to, tests change their signs several times at one such point: it is
+        told by the step that leads beyond that.
+        """
+        beyond = min(SAME_POINT, WELL_BEYOND * self.state.sample.error)
+        lost = [f for f in step.found if f.kind == "unlocated"] if isinstance(step, Step) else []
+        if not (lost and attempted.smallest and self.seen is None and attempted.length < beyond):
+            return step
+        self.seen = lost[0]
+        return Refusal(Cause.UNDECIDED, self.seen.located.vectors["note"], instead=beyond)
 
+    def _regained(self, attempted: Attempt, refused: Refusal) -> Step | None:
+        """The step to where the branch is its parent's again; None where that is not why one is refused.
 
-def _given_up(
-    problem: Problem,
-    attempted: Attempt,
-    refused: Refusal,
-    search: _Search,
-    state: ContinuationState,
-    settings: Settings,
-    observer: Observer,
-) -> Outcome | None:
-    """How the branch ends where no shorter attempt is to be made; None where one is."""
-    reason, explanation, jump = refused.reason, refused.explanation, attempted.jump
-    ends = False
-    iterated = attempted.correction.iterations
-    if reason == "not_finite" and iterated and problem.diagnosis.obstacle(state.sample.z):
-        # It is the corrections that are too large, and not the field that ends ahead.
-        reason, explanation = "no_convergence", "Newton's method leads to where the equations have no value."
-    if reason in ("not_finite", "plugin_error") and jump is None:
-        search.edge = reason, explanation
-        ends = reason == "not_finite" and edge_reached(problem, state.sample)
-    before_jump = jump is not None and kinks_passed.reach(jump, attempted.length) < EDGE
-    before_edge = attempted.length < EDGE and search.edge is not None
-    if not (ends or attempted.smallest or before_jump or before_edge):
-        return None
-    reason, explanation = search.edge or (reason, explanation)
-    left, which, bound = nearest_bound(state.sample, settings)
-    if left <= settings.min_step:
-        return outcomes.bound_but_for(observer.line.names[-1 - which], bound, state.sample.z[which])
-    known = problem.diagnosis.obstacle(state.sample.z) or kinks_passed.sentence(problem, attempted.passed)
-    place = observer.line.free, state.sample.parameter
-    return outcomes.stuck(reason, text_of(explanation), attempted.length, *place, known)
+        It is looked for where a step ends on the parent, and once where it is shorter than solutions are
+        known to.
+        """
+        blind = attempted.length < self.state.sample.error
+        if not (refused.cause is Cause.PARENT or (blind and not self.looked)):
+            return None
+        self.looked = self.looked or blind
+        length = max(attempted.length, self.state.sample.error) if blind else attempted.length
+        given = attempted.correction.problem, self.state.sample, length, self.settings, self.observer
+        back = back_at_parent(*given)
+        return None if back is None else Step(back[0], back[0].b, [back[1]], attempted.length)
 
+    def _given_up(self, attempted: Attempt, refused: Refusal) -> Outcome | None:
+        """How the branch ends where no shorter attempt is to be made; None where one is."""
+        reason, explanation, jump = refused.reason, refused.explanation, attempted.jump
+        problem, sample = self.problem, self.state.sample
+        if (
+            reason == "not_finite"
+            and attempted.correction.iterations
+            and problem.diagnosis.obstacle(sample.z)
+        ):
+            # It is the corrections that are too large, and not the field that ends ahead.
+            reason, explanation = (
+                "no_convergence",
+                "Newton's method leads to where the equations have no value.",
+            )
+        ends = False
+        if reason in ("not_finite", "plugin_error") and jump is None:
+            self.edge = reason, explanation
+            ends = reason == "not_finite" and edge_reached(problem, sample)
+        before_jump = jump is not None and kinks_passed.reach(jump, attempted.length) < EDGE
+        before_edge = attempted.length < EDGE and self.edge is not None
+        if not (ends or attempted.smallest or before_jump or before_edge):
+            return None
+        reason, explanation = self.edge or (reason, explanation)
+        left, which, bound = nearest_bound(sample, self.settings)
+        if left <= self.settings.min_step:
+            return outcomes.bound_but_for(self.observer.line.names[-1 - which], bound, sample.z[which])
+        known = problem.diagnosis.obstacle(sample.z) or kinks_passed.sentence(problem, attempted.passed)
+        place = self.observer.line.free, sample.parameter
+        return outcomes.stuck(reason, text_of(explanation), attempted.length, *place, known)
 
-def _shorter(problem: Problem, state: ContinuationState, attempted: Attempt) -> float:
-    """The next shorter length to try."""
-    if attempted.jump is None:
-        return control.shrunk(attempted.length)
-    # A solution beyond has jumped: where it does along the step, the guess tells.
-    ahead = kinks_passed.jump(kinks_passed.between(problem, state, attempted.prediction.guess))
-    return (
-        control.shrunk(attempted.length) if ahead is None else control.beside(attempted.length, ahead.share)
-    )
+    def _shorter(self, attempted: Attempt) -> float:
+        """The next shorter length to try."""
+        ahead = None
+        if attempted.jump is not None:  # where a solution jumps along the step, the guess tells
+            passed = kinks_passed.between(self.problem, self.state, attempted.prediction.guess)
+            ahead = kinks_passed.jump(passed)
+        length = attempted.length
+        return control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
 
-
-def _segment(state: ContinuationState, attempted: Attempt, settings: Settings, search: _Search) -> Segment:
-    """The piece of branch up to the corrected point; `TooLong` if it is not to be trusted."""
-    prediction, correction, a = attempted.prediction, attempted.correction, state.sample
-    problem, linearization = correction.problem, correction.linearization
-    smallest = attempted.smallest or search.on_parabola
-    assert linearization is not None
-    z = correction.z
-    if prediction.bounded is not None:
-        z = z.copy()
-        z[prediction.bounded] = prediction.guess[prediction.bounded]
-        if problem.diagnosis.many_branches(z):
-            return _onto_crossing(problem, a, z, linearization)
-    if np.array_equal(z, a.z):
-        raise LostBranch("The step is too short to be told from none in double precision.")
-    tangent = _tangent(a, linearization)
-    if not smallest:
-        _check_shape(a, z, tangent, prediction, settings, bool(search.parabolas))
-    if not control.inside(z, settings.bounds):
-        raise TooLong("The step passes the end of the range.")
-    if problem.equivalence.gains_symmetry(a.z, z):
-        raise WentOver
-    if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(a.z, prediction.guess, z):
-        raise TooLong(
-            "The branch is not told from the one that it leaves: what is found is that one's. "
-            "A finer `accuracy` may tell them apart."
-        )
-    there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
-    suddenly = problem.meshed is not None and there.error > max(1.0, SUDDENLY * a.error)
-    if suddenly and a.orientation != 0.0:
-        raise TooLong("What is found there is not known to its own size.")
-    there = _counted_beyond(a, there.varied(iterations=correction.iterations))
-    segment = Segment(problem, a, there)
-    if not smallest and branch_jumps.jumped(segment, correction.effort):
-        raise TooLong("The step does not lie along the branch: it may have left it for another one.")
-    # Orientation is not defined at a branch point that the walk begins at.
-    if a.orientation != 0.0:
-        return segment
-    beside = _beside(segment)
-    return Segment(segment.problem, beside, segment.b)
+    def _next_length(self, segment: Segment, attempted: Attempt) -> float:
+        prediction, angle = attempted.prediction, control.turn(segment.a, segment.b.tangent)
+        length = control.next_step(prediction.length, angle, attempted.correction.effort, self.settings)
+        return max(length, self.state.step) if prediction.to_bound else length
 
 
 def _counted_beyond(a: Sample, b: Sample) -> Sample:
@@ -281,35 +322,6 @@ def _counted_beyond(a: Sample, b: Sample) -> Sample:
     positive = np.count_nonzero(doubtful & (b.measures > 0.0))
     counted = int(np.count_nonzero(b.measures > b.errors) + positive)
     return b.varied(unstable=counted) if abs(counted - a.unstable) == 1 else b
-
-
-def _tangent(a: Sample, linearization: Linearization) -> np.ndarray:
-    try:
-        return linearization.tangent(a.tangent / a.weights**2, a.weights)
-    except np.linalg.LinAlgError:
-        raise TooLong("The tangent is not determined.") from None
-
-
-def _check_shape(
-    a: Sample,
-    z: np.ndarray,
-    tangent: np.ndarray,
-    prediction: Prediction,
-    settings: Settings,
-    shorter: bool,
-) -> None:
-    """Refuse a step on which the branch turns too much, or that may have ended on another branch.
-
-    Where longer ones have led to the parabola that a branch begins as, what is none is errors.
-    """
-    refused = _Blurred if shorter else TooLong
-    angle = control.turn(a, tangent)
-    moved = norm_in(z - prediction.guess, a.weights)
-    if angle > settings.max_angle or moved > 0.5 * prediction.length:
-        parabola = a.orientation == 0.0 and not prediction.to_bound and control.is_parabola(a, z, tangent)
-        raise (Parabola if parabola else refused)(f"The branch turns by {angle:.0f} degrees in one step.")
-    if control.left_branch(a, z, tangent, angle):
-        raise refused("The step does not lie along the branch: it may have left it for another one.")
 
 
 def _onto_crossing(problem: Problem, a: Sample, z: np.ndarray, linearization: Linearization) -> Segment:
@@ -335,39 +347,6 @@ def _beside(segment: Segment) -> Sample:
     )
 
 
-def _special(
-    segment: Segment,
-    settings: Settings,
-    observer: Observer,
-    smallest: bool,
-    state: ContinuationState,
-    seen: Found | None,
-) -> list[Found]:
-    """Everything special on a segment, in its order; at the smallest step, what cannot be located as well.
-
-    What that has `seen` is told where it was, with the counts of a segment around it.
-    """
-    born = state.sample.orientation == 0.0
-    try:
-        reached = limits.passed(segment, begins=state.s == 0.0)
-        end = limits.stopping(segment.problem, reached, settings.events)
-        if end is None:
-            found = [*everything(segment, settings, observer, born), *reached]
-        else:  # what lies beyond is not the machine's motion, and its tests tell nothing
-            found, end = everything_before(segment, end, settings, observer, born)
-            found += limits.up_to(segment.problem, reached, end, settings.events)
-    except Disagreement as disagreement:
-        if not (smallest or seen):
-            raise
-        found = [_unlocated(segment, disagreement)]
-        if seen is not None:
-            found = [replace(seen, theta=segment.position(seen.located.z), after=segment.b.unstable)]
-    if not all(control.inside(f.located.z, settings.bounds) for f in found):
-        raise TooLong("The step passes the end of the range and comes back.")
-    counted = with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
-    return [f for f in counted if f.type.tells_of(f.located)]
-
-
 def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -> bool:
     """Whether the walk goes on from a step that ends at a limit, to within what its margin is known to."""
     reached = [f for f in found if f.kind != "unlocated" and f.type.test is Test.MARGIN]
@@ -380,10 +359,3 @@ def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:
     b = segment.b
     width, counts = abs(float(segment.chord[-1])), {"before": segment.a.unstable, "after": b.unstable}
     return unlocated(1.0, disagreement.type, b, width, disagreement.sentence, **counts)
-
-
-def _next_length(segment: Segment, attempted: Attempt, state: ContinuationState, settings: Settings) -> float:
-    prediction, angle = attempted.prediction, control.turn(segment.a, segment.b.tangent)
-    effort = attempted.correction.effort
-    length = control.next_step(prediction.length, angle, effort, settings)
-    return max(length, state.step) if prediction.to_bound else length

@@ -13,7 +13,6 @@ from small_systems import small_problem
 import contwalk as cw
 from contwalk.continuation import detection
 from contwalk.continuation.detection import _check_apart, at_the_end, bifurcations
-from contwalk.continuation.double_crossings import Hidden
 from contwalk.continuation.locating import Disagreement, Subsegment
 
 
@@ -402,7 +401,7 @@ def _hidden_on(monkeypatch, segment, finer):
 
     def knots_of(part, branch_points):
         if part is segment:
-            raise Hidden(part, 0, 0.3)
+            raise Disagreement(part.problem.point_types[0], "Neither is seen.", (0.3, 0))
         return usual(part, branch_points)
 
     monkeypatch.setattr(detection, "knots_of", knots_of)
@@ -426,7 +425,7 @@ def test_finest_steps_that_count_otherwise_where_they_begin_are_not_trusted(monk
     for finer in (None, Subsegment(elsewhere, (0.28, 0.32))):
         with monkeypatch.context() as patch:
             _hidden_on(patch, segment, finer)
-            with pytest.raises(Disagreement, match="neither is seen"):
+            with pytest.raises(Disagreement, match="Neither is seen"):
                 bifurcations(segment)
 
 
