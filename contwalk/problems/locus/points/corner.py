@@ -57,6 +57,8 @@ def _leading(seed: Seed) -> Seed | None:
     assert seed.other_side is not None
     for z, along in ((seed.z, seed.z - seed.other_side), (seed.other_side, seed.other_side - seed.z)):
         sample = curve.examine(z, along, sizes(curve, z), curve.linearize(z), None)
-        if all(value < 0.0 for value in lead_of_others(curve, z, sample.eigenvalues)):
+        ahead, *past = lead_of_others(curve, z, sample.eigenvalues)
+        equal = EQUAL * float(np.abs(sample.eigenvalues).max())
+        if ahead < 0.0 and all(value < -(equal**2) for value in past):
             return replace(seed, z=z, other_side=None)
     return None
