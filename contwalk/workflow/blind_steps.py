@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.branch import Branch
+from contwalk.numerics.linear import EPSILON
 
 
 def blind_steps(branch: Branch) -> str:
@@ -24,11 +25,37 @@ def blind_steps(branch: Branch) -> str:
     blind = np.flatnonzero((lengths > 0.0) & (lengths < known))
     if not len(blind):
         return ""
-    free = branch.info.free[0]
-    values = rows["free"][np.concatenate([blind, blind + 1]), 0]
-    return (
+    free, ends = branch.info.free[0], np.concatenate([blind, blind + 1])
+    values = rows["free"][ends, 0]
+    told = (
         f"{branch.name}: {len(blind)} of {len(lengths)} steps, with {free} from {values.min():.10g} to "
         f"{values.max():.10g}, are shorter than what the solutions there are known to "
         f"({known[blind].max():.1e} in the metric of the branch): its way is rounding on them, and special "
-        "points may be missed or false. A finer `accuracy`, or a larger `engine: {min_step}`, may help."
+        "points may be missed or false. "
+    )
+    return told + (
+        _tiny(branch, rows[ends]) or "A finer `accuracy`, or a larger `engine: {min_step}`, may help."
+    )
+
+
+def _tiny(branch: Branch, rows: np.ndarray) -> str:
+    """What states of one sign are not known to their own size along orbits, of rows (k,); empty if none.
+
+    Errors of steps are in units of how far a state moves: half a float's digits below, none is its own.
+    """
+    names, shares = branch.info.observables, {}
+    for state in branch.info.states:
+        if f"min:{state}" in names:
+            columns = [names.index(f"{side}:{state}") for side in ("min", "max")]
+            signs, sizes = np.sign(rows["observables"][:, columns]), np.abs(rows["observables"][:, columns])
+            of_one_sign = (signs[:, 0] == signs[:, 1]) & (signs[:, 0] != 0.0)
+            shares[state] = np.min(sizes.min(axis=1) / sizes.max(axis=1), where=of_one_sign, initial=1.0)
+    small = {state: share for state, share in shares.items() if share < np.sqrt(EPSILON)}
+    if not small:
+        return ""
+    first, told = next(iter(small)), (f"{state} returns from {share:.1e}" for state, share in small.items())
+    return (
+        f"{' and '.join(told)} of its largest size, and errors of steps are in units of that: what it "
+        f"grows to again is not known. Take logarithms as states: of log |{first}| the rate is that of "
+        f"{first} over {first}."
     )

@@ -55,3 +55,39 @@ def test_a_run_tells_it_as_a_note(branch):
     ((key, told),) = notes_of(known_to(branch, 1.0), system, None)
     assert key == "direction b1"
     assert "its way is rounding" in told
+
+
+def prey(t, x, p, dx):
+    """Bazykin's model (Nonlinear Dynamics of Interacting Populations, 1998): prey, predators, saturation."""
+    eaten = x[0] * x[1] / (1.0 + p.alpha * x[0])
+    dx[0] = x[0] - eaten - 0.01 * x[0] ** 2
+    dx[1] = -x[1] + eaten - 0.0075 * x[1] ** 2
+
+
+def prey_in_logarithms(t, u, p, du):
+    x, y = np.exp(u[0]), np.exp(u[1])
+    du[0] = 1.0 - y / (1.0 + p.alpha * x) - 0.01 * x
+    du[1] = -1.0 + x / (1.0 + p.alpha * x) - 0.0075 * y
+
+
+@pytest.mark.slow
+def test_a_population_that_returns_from_next_to_nothing_is_told_to_be_written_as_its_logarithm():
+    problem = small_problem(prey, ("prey", "predators"), {"alpha": 0.01}, "alpha")
+    equilibria = cw.continue_branch(problem, [1.1, 1.1], (0.01, 0.5))
+    cycles = cw.switch_branch(problem, equilibria, "HB1", (0.01, 0.5), max_points=200)
+    told = blind_steps(cycles)
+    assert "prey returns from " in told
+    assert "log |prey|" in told
+
+
+@pytest.mark.slow
+def test_in_logarithms_it_is_known():
+    """Periods by SciPy in logarithms (DOP853, 1e-12, shooting; Radau agrees to 6e-11)."""
+    problem = small_problem(prey_in_logarithms, "uv", {"alpha": 0.01}, "alpha")
+    equilibria = cw.continue_branch(problem, [0.1, 0.1], (0.01, 0.5))
+    marks = {"alpha": [0.021, 0.022, 0.1]}
+    cycles = cw.switch_branch(problem, equilibria, "HB1", (0.01, 0.5), marks=marks)
+    assert cycles.outcome.reason == "bound"
+    assert blind_steps(cycles) == ""
+    periods = [cycles.points["period"][p.index] for p in cycles.special_points if p.label == "UZ"]
+    assert periods == pytest.approx([25.263319788, 30.055600758, 76.477369269], rel=1e-8)
