@@ -1,4 +1,7 @@
-"""An attempt at a step: predicted, corrected, and what it passed on its way."""
+"""An attempt at a step: predicted, corrected, and what it passed on its way.
+
+Where equations change their piece within a step, that ends a branch, or is only told.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,10 @@ from enum import Enum, auto
 
 import numpy as np
 
-from contwalk.continuation import control, kinks_passed
+from contwalk.continuation import control
 from contwalk.continuation.correction import Correction, Explanation
 from contwalk.continuation.newton import correct
+from contwalk.continuation.segment import Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.problems.kink import Met
@@ -36,7 +40,41 @@ class Attempt:
     @property
     def jump(self) -> Met | None:
         """The first of what it passed beyond which no branch goes on."""
-        return kinks_passed.jump(self.passed)
+        return first_jump(self.passed)
+
+    @property
+    def room(self) -> float:
+        """How long it may be, having passed a jump, before a shorter one is none any more.
+
+        Where a slope has no bound what is solved for beside it is rounding: its own distance counts there.
+        """
+        jump = self.jump
+        return self.length * jump.share if jump is not None and jump.kink.order else self.length
+
+    @property
+    def _of(self) -> str:
+        return "equilibria" if self.correction.problem.meshed is None else "orbits"
+
+    def why_no_further(self, jump: Met) -> str:
+        """In a sentence, why no branch goes on beyond what it passed."""
+        return jump.kink.refusal(self._of).sentence
+
+    def switchings(self) -> str:
+        """In a sentence, the first place that it passed at which equations change; empty if none."""
+        return next((met.kink.sentence(self._of) for met in self.passed), "")
+
+    def with_kinks(self, segment: Segment) -> Segment:
+        """A segment whose end tells of what is passed on the way to it."""
+        if not self.passed:
+            return segment
+        kinks = (*segment.b.kinks, *(met.kink for met in self.passed))
+        there = replace(segment.b, kinks=tuple(dict.fromkeys(kinks)))
+        return Segment(segment.problem, segment.a, there)
+
+
+def first_jump(passed: Sequence[Met]) -> Met | None:
+    """The first of what is passed beyond which no branch goes on."""
+    return next((met for met in passed if met.kink.refused), None)
 
 
 class Cause(Enum):
@@ -80,7 +118,7 @@ def attempt(problem: Problem, state: ContinuationState, length: float, settings:
         guess[-1] += ASIDE * length * float(sample.weights[-1])
         correction = _corrected(problem, state, replace(prediction, guess=guess), settings)
     # Newton's method may fail because it is asked for a solution beyond a jump.
-    passed = kinks_passed.between(problem, state, correction.z if correction.ok else prediction.guess)
+    passed = problem.diagnosis.passed(sample.z, correction.z if correction.ok else prediction.guess)
     return Attempt(length, smallest, prediction, correction, passed)
 
 

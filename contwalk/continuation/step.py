@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import branch_jumps, control, kinks_passed, limits, outcomes
+from contwalk.continuation import branch_jumps, control, limits, outcomes
 from contwalk.continuation.attempt import (
     Attempt,
     Cause,
     Refusal,
     attempt,
+    first_jump,
     nearest_bound,
     towards_a_bound,
 )
@@ -113,8 +114,7 @@ class _Search:
         """The step that an attempt is, how the branch ends on it, or why it is none."""
         correction = attempted.correction
         if attempted.jump is not None:
-            refused = kinks_passed.refusal(correction.problem, attempted.jump)
-            return Refusal(Cause.NO_SOLUTION, refused, "plugin_error")
+            return Refusal(Cause.NO_SOLUTION, attempted.why_no_further(attempted.jump), "plugin_error")
         if not correction.ok:
             return Refusal(Cause.NO_SOLUTION, correction.explanation, correction.reason)
         try:
@@ -149,7 +149,7 @@ class _Search:
             return segment
         if self.parabolas and segment.b.error > BLURRED * length:
             return Refusal(Cause.BLURRED, "Where the step ends is not known beside its length.")
-        segment = kinks_passed.with_kinks(segment, attempted.passed)
+        segment = attempted.with_kinks(segment)
         outcome = segment.problem.diagnosis.ended(segment.a, segment.b)
         if outcome and not (outcome.reason == "unbounded" and towards_a_bound(segment.b, self.settings)):
             if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
@@ -283,7 +283,7 @@ class _Search:
         if reason in ("not_finite", "plugin_error") and jump is None:
             self.edge = reason, explanation
             ends = reason == "not_finite" and edge_reached(problem, sample)
-        before_jump = jump is not None and kinks_passed.reach(jump, attempted.length) < EDGE
+        before_jump = jump is not None and attempted.room < EDGE
         before_edge = attempted.length < EDGE and self.edge is not None
         if not (ends or attempted.smallest or before_jump or before_edge):
             return None
@@ -291,7 +291,7 @@ class _Search:
         left, which, bound = nearest_bound(sample, self.settings)
         if left <= self.settings.min_step:
             return outcomes.bound_but_for(self.observer.line.names[-1 - which], bound, sample.z[which])
-        known = problem.diagnosis.obstacle(sample.z) or kinks_passed.sentence(problem, attempted.passed)
+        known = problem.diagnosis.obstacle(sample.z) or attempted.switchings()
         place = self.observer.line.free, sample.parameter
         return outcomes.stuck(reason, text_of(explanation), attempted.length, *place, known)
 
@@ -299,8 +299,8 @@ class _Search:
         """The next shorter length to try."""
         ahead = None
         if attempted.jump is not None:  # where a solution jumps along the step, the guess tells
-            passed = kinks_passed.between(self.problem, self.state, attempted.prediction.guess)
-            ahead = kinks_passed.jump(passed)
+            given = self.state.sample.z, attempted.prediction.guess
+            ahead = first_jump(self.problem.diagnosis.passed(*given))
         length = attempted.length
         return control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
 
