@@ -122,8 +122,7 @@ class _Search:
         except (Disagreement, LostBranch) as error:
             met = Refusal(Cause.UNDECIDED, str(error))
         except np.linalg.LinAlgError:
-            sentence = "The equations are singular there in more than one direction."
-            return Refusal(Cause.NO_SOLUTION, sentence)
+            return Refusal(Cause.NO_SOLUTION, "The equations are singular there in more than one direction.")
         except (PluginError, NotFinite) as error:
             return Refusal(Cause.NO_SOLUTION, error.sentence, error.reason)
         if not isinstance(met, Refusal):
@@ -159,6 +158,8 @@ class _Search:
                 return outcome
             segment = short
         found = self._special(segment, smallest)
+        if any(_of_the_parent(segment, f) for f in found):
+            return Refusal(Cause.PARENT, ON_PARENT)
         if not all(control.inside(f.located.z, self.settings.bounds) for f in found):
             return Refusal(Cause.TURNS, "The step passes the end of the range and comes back.")
         if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, self.settings):
@@ -191,11 +192,9 @@ class _Search:
             tangent = linearization.tangent(a.tangent / a.weights**2, a.weights)
         except np.linalg.LinAlgError:
             return Refusal(Cause.TURNS, "The tangent is not determined.")
-        if not smallest:
-            shorter = bool(self.parabolas)
-            refused = branch_jumps.misshapen(a, z, tangent, prediction, self.settings, shorter)
-            if refused is not None:
-                return refused
+        given = a, z, tangent, prediction, self.settings, bool(self.parabolas)
+        if not smallest and (refused := branch_jumps.misshapen(*given)):
+            return refused
         if not control.inside(z, self.settings.bounds):
             return Refusal(Cause.TURNS, "The step passes the end of the range.")
         if problem.equivalence.gains_symmetry(a.z, z):
@@ -345,6 +344,12 @@ def _beside(segment: Segment) -> Sample:
         unstable=near.unstable,
         still=near.still,
     )
+
+
+def _of_the_parent(segment: Segment, found: Found) -> bool:
+    """Whether a fold is where the branch is its parent's again, and goes on as its own image."""
+    equivalence = (found.located.problem or segment.problem).equivalence
+    return found.type.test is Test.TURN and equivalence.gains_symmetry(segment.a.z, found.located.z)
 
 
 def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -> bool:

@@ -49,7 +49,8 @@ def _tiny(branch: Branch, rows: np.ndarray) -> str:
             columns = [names.index(f"{side}:{state}") for side in ("min", "max")]
             signs, sizes = np.sign(rows["observables"][:, columns]), np.abs(rows["observables"][:, columns])
             of_one_sign = (signs[:, 0] == signs[:, 1]) & (signs[:, 0] != 0.0)
-            shares[state] = np.min(sizes.min(axis=1) / sizes.max(axis=1), where=of_one_sign, initial=1.0)
+            least, largest = sizes[of_one_sign].min(axis=1), sizes[of_one_sign].max(axis=1)
+            shares[state] = np.min(least / largest, initial=1.0)
     small = {state: share for state, share in shares.items() if share < np.sqrt(EPSILON)}
     if not small:
         return ""

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from hybrid_runs import diagram
 
+import contwalk as cw
 from contwalk.diagram.reopening import reopened
 from contwalk.problems.orbit import switching
 from contwalk.problems.orbit.asymmetry import asymmetries
@@ -77,6 +78,22 @@ def test_no_doubled_orbit_is_its_parent_before_it_ends(branches):
         for row in moved[:: max(len(moved) // 12, 1)]:
             problem, sample = reopened(food_chain(), branch, int(row))
             assert asymmetries(problem, sample.z)["itself"] > 1e-4, (branch.info.name, branch["b1"][row])
+
+
+@pytest.mark.slow
+def test_a_fold_that_is_the_parents_is_where_the_branch_ends():
+    """Where the branch is its parent's again the parameter turns, and a step that ended right beyond, known
+    to less than its length, told a fold there and crept on.
+    """
+    problem = cw.Equilibrium(food_chain(), {"b1": 2.0}, "b1")
+    equilibria = cw.continue_branch(problem, [0.8, 0.12, 10.0], (1.5, 6.0))
+    cycles = cw.switch_branch(problem, equilibria, "HB1", (1.5, 6.0))
+    doubled = cw.switch_branch(problem, cycles, "PD1", (1.5, 6.0))
+    assert doubled.outcome.reason == "rejoined", doubled.outcome.message
+    end, met = doubled.special_points[-1], cycles.special_points[1]
+    assert (end.label, met.label) == ("EP", "PD")
+    assert end.parameters["b1"] == pytest.approx(met.parameters["b1"], abs=end.error + met.error)
+    assert [point.label for point in doubled.special_points] == ["PD", "PD", "BP", "EP"]
 
 
 @pytest.mark.parametrize("segments", [1, 2, 3])
