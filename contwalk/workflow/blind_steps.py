@@ -27,13 +27,13 @@ def blind_steps(branch: Branch) -> str:
         return ""
     free, ends = branch.info.free[0], np.concatenate([blind, blind + 1])
     values = rows["free"][ends, 0]
-    told = (
+    sentence = (
         f"{branch.name}: {len(blind)} of {len(lengths)} steps, with {free} from {values.min():.10g} to "
         f"{values.max():.10g}, are shorter than what the solutions there are known to "
         f"({known[blind].max():.1e} in the metric of the branch): its way is rounding on them, and special "
         "points may be missed or false. "
     )
-    return told + (
+    return sentence + (
         _tiny(branch, rows[ends]) or "A finer `accuracy`, or a larger `engine: {min_step}`, may help."
     )
 
@@ -54,9 +54,9 @@ def _tiny(branch: Branch, rows: np.ndarray) -> str:
     small = {state: share for state, share in shares.items() if share < np.sqrt(EPSILON)}
     if not small:
         return ""
-    first, told = next(iter(small)), (f"{state} returns from {share:.1e}" for state, share in small.items())
+    first, each = next(iter(small)), (f"{state} returns from {share:.1e}" for state, share in small.items())
     return (
-        f"{' and '.join(told)} of its largest size, and errors of steps are in units of that: what it "
+        f"{' and '.join(each)} of its largest size, and errors of steps are in units of that: what it "
         f"grows to again is not known. Take logarithms as states: of log |{first}| the rate is that of "
         f"{first} over {first}."
     )
