@@ -249,10 +249,9 @@ def located_along(segment: Segment, kind: PointType, low: float, high: float, wh
     first, last = (kind.value(part.problem, part.at(end)) for end in ends)
     slope = (last - first) / (ends[1] - ends[0])
     blur = max(_blur(kind, part, part.at(end)) for end in ends) / max(abs(slope), 1e-300) + NARROW
-    error = blur * abs(float(part.chord[-1])) + sample.error * float(sample.weights[-1])
-    located = Located(
-        sample.z, max(error, float(np.spacing(abs(sample.parameter)))), {"which": which}, problem=part.problem
-    )
+    known = blur * abs(float(part.chord[-1])) + sample.error * float(sample.weights[-1])
+    error = max(known, float(np.spacing(abs(sample.parameter))))
+    located = Located(sample.z, error, {"which": which}, problem=part.problem)
     return around.placed(Found(position, kind, located, sample))
 
 

@@ -84,13 +84,13 @@ def _nothing_between(a: Sample, there: Sample) -> bool:
 def place_of_closure(segment: Segment, found: list[Found], origin: Sample) -> float | None:
     """Where an accepted step, with what is special on it, passes a walk's beginning the same way round.
 
-    It is a place on the segment, 0..1, or None where the step does not. What begins there, within errors, has
-    not been away: where a parameter stands still to rounding, as along an explosion, it passes itself.
+    It is a place on the segment, 0..1, or None where the step does not. What begins at that parameter, within
+    errors, has not been away: where it stands still to rounding, as along an explosion, it passes itself.
     """
     if segment.problem.meshed is not None:
         back = _comes_back(segment, origin)
-        back = _finds_again(segment, found, origin) if back is None and found else back
-        return None if back is None or segment.problem.equivalence.same(origin, segment.a) else back
+        again = back is None and found and not segment.problem.equivalence.same(origin, segment.a)
+        return _finds_again(segment, found, origin) if again else back
     z = segment.problem.equivalence.nearest_turn(origin.z, segment.a.z)
     theta = segment.position(z)
     same_way = origin.tangent / origin.weights**2 @ segment.b.tangent > 0.0
@@ -109,14 +109,15 @@ def place_of_closure(segment: Segment, found: list[Found], origin: Sample) -> fl
 def _comes_back(segment: Segment, origin: Sample) -> float | None:
     """Where a segment of orbits, which begin anywhere on themselves, passes a given one."""
     a, b, value = segment.a.parameter, segment.b.parameter, origin.parameter
-    passed = (a - value) * (b - value) < 0.0 or b == value != a  # met at its end, it is the step's
-    if not passed or (b - a) * origin.tangent[-1] < 0.0:
+    rounded = 1e-11 * segment.weights[-1]
+    passed = (a - value) * (b - value) < 0.0 or b == value  # met at its end, it is the step's
+    if not (passed and abs(a - value) > rounded) or (b - a) * origin.tangent[-1] < 0.0:
         return None
     try:
         low, high, theta = 0.0, 1.0, (value - a) / (b - a)
         for _ in range(40):
             there = segment.at(theta)
-            if abs(there.parameter - value) <= 1e-11 * segment.weights[-1]:
+            if abs(there.parameter - value) <= rounded:
                 break
             low, high = (theta, high) if (there.parameter - value) * (b - a) < 0.0 else (low, theta)
             slope = there.tangent[-1] / float(segment.normal @ there.tangent)

@@ -255,13 +255,12 @@ class _Search:
         It is looked for where a step ends on the parent, and once where it is shorter than solutions are
         known to.
         """
-        blind = attempted.length < self.state.sample.error
+        problem, sample, length = attempted.correction.problem, self.state.sample, attempted.length
+        blind = length < sample.error
         if not (refused.cause is Cause.PARENT or (blind and not self.looked)):
             return None
         self.looked = self.looked or blind
-        length = max(attempted.length, self.state.sample.error) if blind else attempted.length
-        given = attempted.correction.problem, self.state.sample, length, self.settings, self.observer
-        back = back_at_parent(*given)
+        back = back_at_parent(problem, sample, max(length, sample.error), self.settings, self.observer)
         return None if back is None else Step(back[0], back[0].b, [back[1]], attempted.length)
 
     def _given_up(self, attempted: Attempt, refused: Refusal) -> Outcome | None:

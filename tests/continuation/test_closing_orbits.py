@@ -64,3 +64,11 @@ def test_a_step_that_begins_there_within_errors_has_not_been_away():
     near = 0.6 - 1e-13  # the parameter is the same to 2.1e-13
     segment = problem.segment(place(near), place(0.7))
     assert place_of_closure(segment, [], at(problem, 0.6)) is None
+
+
+def test_a_step_that_begins_near_at_another_parameter_passes_it(monkeypatch):
+    """An orbit of many periods of a forcing passes near every state of its neighbours: it has been away."""
+    problem = cubic()
+    monkeypatch.setattr(type(problem), "same", lambda *_: True)
+    segment = problem.segment(place(0.6 - 1e-6), place(0.7))
+    assert place_of_closure(segment, [], at(problem, 0.6)) is not None
