@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from contwalk.continuation.settings import Settings
-from contwalk.numerics.linear import Factored, kernel_direction, norm_in
+from contwalk.numerics.linear import EPSILON, Factored, kernel_direction, norm_in
 from contwalk.problems.problem import Linearization, Problem, Sample
 
 # Stands in for a magnitude that neither the unknown nor the equations tell yet.
@@ -107,7 +107,7 @@ def initial_magnitudes(
     if not np.any(moving):
         return magnitudes
     moved = tangent * float(np.min(known[moving] / tangent[moving]))
-    moved[moved < _NOTHING * known] = 0.0
+    moved[(moved < _NOTHING * known) | (tangent <= _dust(linearization, tangent)[1])] = 0.0
     further = ~sized & (moved > 0.0)
     return np.where(further, np.fmax(magnitudes, moved), magnitudes)
 
@@ -123,10 +123,11 @@ def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray, orig
         z[-1] = sample.parameter
     there = problem.linearize(z)
     known, powers = there.magnitudes, _by_power(sample, origin, weights)
-    powers[np.abs(sample.z - origin.z) <= NOISE * _rounding(there)] = np.nan  # dust grows with no power
+    still, stays = _dust(there, np.abs(sample.tangent))
+    powers[np.abs(sample.z - origin.z) <= still] = np.nan  # dust grows with no power
     moved = np.fmax(np.abs(sample.tangent), powers)
     # A declared scale may be one as well; it stays what it is.
-    begins = (z != 0.0) & (moved > _NOTHING * weights) | np.isfinite(powers)
+    begins = (z != 0.0) & (moved > np.maximum(_NOTHING * weights, stays)) | np.isfinite(powers)
     begins &= known != UNKNOWN
     return np.where(begins, np.fmax(np.abs(z), moved), known)
 
@@ -151,7 +152,7 @@ def _by_power(sample: Sample, origin: Sample, weights: np.ndarray) -> np.ndarray
 
 def _without_noise(problem: Problem, z: np.ndarray, linearization: Linearization) -> Linearization:
     """The equations at z, or where unknowns that are zero but for their error are exactly zero."""
-    noisy = (np.abs(z) <= NOISE * _rounding(linearization)) & (z != 0.0)
+    noisy = (np.abs(z) <= _dust(linearization, np.zeros(len(z)))[0]) & (z != 0.0)
     if not np.any(noisy):
         return linearization
     clean = problem.linearize(np.where(noisy, 0.0, z))
@@ -160,11 +161,14 @@ def _without_noise(problem: Problem, z: np.ndarray, linearization: Linearization
     return clean
 
 
-def _rounding(linearization: Linearization) -> np.ndarray:
-    """What rounding of the equations makes of each unknown, shape (N + 1,); zero where they are singular."""
-    square = linearization.jacobian[:, :-1]
+def _dust(linearization: Linearization, tangent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Below which each unknown is zero but for rounding, and below which it does not move along a tangent.
+
+    All have the shape (N + 1,), the tangent is of sizes. Zero where the equations are singular.
+    """
+    square, moved = linearization.jacobian[:, :-1], np.abs(linearization.jacobian) @ tangent
     try:
-        inverse = Factored(square).solve(np.eye(len(square)))
+        inverse = NOISE * np.abs(Factored(square).solve(np.eye(len(square))))
     except np.linalg.LinAlgError:  # a fold or a branch point
-        return np.zeros(len(square) + 1)
-    return np.append(np.abs(inverse) @ linearization.levels[0], 0.0)
+        inverse = np.zeros(square.shape)
+    return np.append(inverse @ linearization.levels[0], 0.0), np.append(inverse @ (EPSILON * moved), 0.0)
