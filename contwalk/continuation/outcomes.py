@@ -199,7 +199,7 @@ PERHAPS_NOT_PERIODIC = (
 )
 
 
-def no_start(reason: str, sentence: str, what: str = "an equilibrium, or a named one") -> Outcome:
+def no_start(reason: str, sentence: str, what: str = "an equilibrium, or simulate until settled") -> Outcome:
     """The start could not be corrected to a solution."""
     if reason in ("not_finite", "plugin_error"):
         return Outcome("failed", reason, f"The start fails: {sentence} Start elsewhere, or mend the plugin.")
