@@ -43,7 +43,8 @@ def texts(names: set[str]) -> list[str]:
     return found
 
 
-def _number(value: float) -> str:
+def literal(value: float) -> str:
+    """A number in IR, by its bits."""
     return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
 
 
@@ -153,8 +154,8 @@ class _Text:
 
     def margin(self) -> str:
         """MARGIN n eps."""
-        rows = self.times(_number(MARGIN), self.let("sitofp i64 %n to double"))
-        return self.times(rows, _number(sys.float_info.epsilon))
+        rows = self.times(literal(MARGIN), self.let("sitofp i64 %n to double"))
+        return self.times(rows, literal(sys.float_info.epsilon))
 
     def multiply_determinant(self, factor: str) -> None:
         """The determinant so far, times a number."""
@@ -170,7 +171,7 @@ def _factor() -> str:
     """`contwalk_factor(n, a)`: see `elimination.eliminated`. Of a singular matrix the pivots are NaN."""
     t = _Text()
     margin, bad = t.margin(), t.variable("i1", "0")
-    t.store(_number(1.0), t.pivot_place("%n"))
+    t.store(literal(1.0), t.pivot_place("%n"))
     with t.loop("0") as k:
         p, best = t.variable("i64", k), t.variable("double", "0.0")
         t.store(t.size(t.at(k, k)), best)
@@ -223,7 +224,7 @@ def _factor_symmetric() -> str:
     bytes_ = t.let(f"mul i64 {t.let('mul i64 %n, %n')}, 8")
     saved = t.let(f"alloca i8, i64 {bytes_}, align 16")
     t.say(f"call void @llvm.memcpy.p0.p0.i64(ptr {saved}, ptr %a, i64 {bytes_}, i1 false)")
-    t.store(_number(1.0), t.pivot_place("%n"))
+    t.store(literal(1.0), t.pivot_place("%n"))
     with t.loop("0") as k:
         d = t.at(k, k)
         good = t.let(f"fcmp ogt double {d}, {t.rounding(k, margin)}")
@@ -279,17 +280,17 @@ def _small_factor(n: int) -> str:
     a = [
         [t.load(t.let(f"getelementptr double, ptr %a, i64 {i + n * j}")) for j in range(n)] for i in range(n)
     ]
-    margin = _number(MARGIN * n * sys.float_info.epsilon)
-    pivots, determinant, bad, over = list[str](), _number(1.0), "0", "0"
+    margin = literal(MARGIN * n * sys.float_info.epsilon)
+    pivots, determinant, bad, over = list[str](), literal(1.0), "0", "0"
     for k in range(n):
-        p, best = _number(float(k)), t.size(a[k][k])
+        p, best = literal(float(k)), t.size(a[k][k])
         for i in range(k + 1, n):
             size = t.size(a[i][k])
             larger = t.let(f"fcmp ogt double {size}, {best}")
             best = _chosen(t, larger, size, best)
-            p = _chosen(t, larger, _number(float(i)), p)
+            p = _chosen(t, larger, literal(float(i)), p)
         pivots.append(p)
-        kept = t.let(f"fcmp oeq double {p}, {_number(float(k))}")
+        kept = t.let(f"fcmp oeq double {p}, {literal(float(k))}")
         for i in range(k + 1, n):
             a[k], a[i] = _exchanged(t, p, i, a[k], a[i])
         u = a[k][k]
@@ -323,7 +324,7 @@ def _chosen(t: _Text, condition: str, first: str, second: str) -> str:
 
 def _exchanged(t: _Text, p: str, i: int, upper: list[str], lower: list[str]) -> tuple[list[str], list[str]]:
     """Two rows, exchanged where the lower one, row i, is the pivot's."""
-    here = t.let(f"fcmp oeq double {p}, {_number(float(i))}")
+    here = t.let(f"fcmp oeq double {p}, {literal(float(i))}")
     pairs = [(_chosen(t, here, b, a), _chosen(t, here, a, b)) for a, b in zip(upper, lower, strict=True)]
     return [first for first, _ in pairs], [second for _, second in pairs]
 

@@ -12,12 +12,11 @@ from __future__ import annotations
 
 import hashlib
 import math
-import struct
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from contwalk.fields import elimination_code
-from contwalk.fields.elimination_code import factor_width
+from contwalk.fields.elimination_code import factor_width, literal
 from contwalk.fields.graph import BUNDLES, CONDITIONS, FACTORS, RELATIONS, ROUNDING, Graph
 from contwalk.fields.hoisting import width_of
 from contwalk.fields.special_functions import POLYGAMMA
@@ -108,7 +107,7 @@ class _Body:
     def table(self, values: tuple[float, ...]) -> tuple[str, int]:
         """A constant array, and its length, which is 2^k - 1: filled up with NaN, which no number reaches."""
         length = 2 ** len(values).bit_length() - 1
-        entries = [_literal(v) for v in (*values, *[math.nan] * (length - len(values)))]
+        entries = [literal(v) for v in (*values, *[math.nan] * (length - len(values)))]
         name = f"@table_{hashlib.sha256(' '.join(entries).encode()).hexdigest()[:20]}"
         text = ", ".join(f"double {entry}" for entry in entries)
         self.called.add(f"{name} = private unnamed_addr constant [{length} x double] [{text}]")
@@ -313,11 +312,7 @@ def _looked_up(body: _Body, name: str, x: str, table: str, length: int) -> str:
 
 def _operand(body: _Body, node: int, names: _Names) -> str:
     value = body.graph.value(node)
-    return names[node] if value is None else _literal(value)
-
-
-def _literal(value: float) -> str:
-    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+    return names[node] if value is None else literal(value)
 
 
 def _condition(body: _Body, node: int, names: _Names) -> None:

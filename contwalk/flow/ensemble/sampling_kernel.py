@@ -22,7 +22,8 @@ from contwalk.flow.ensemble.sampling_records import (
     SampleResult,
     SamplingCall,
 )
-from contwalk.flow.events.polynomial_kernel import draw
+from contwalk.flow.events.polynomial_kernel import draw, side_of
+from contwalk.flow.explicit.drivers import place
 from contwalk.flow.explicit.stages import FIRST, NEXT, Y
 
 EPSILON = 2.0**-52
@@ -39,12 +40,6 @@ _RESULT_LENGTH = sizeof(SampleResult)
 _call_step = caller("v", "ddqqqq")
 _call_guard = caller("v", "dqqqq")
 _call_error = caller("d", "ddqqqqq")
-
-
-@inlined
-def _place(p: SamplingCall, number: int) -> int:
-    """Address of a vector of the memory of the method."""
-    return p.work + 8 * number * p.length
 
 
 @inlined
@@ -80,9 +75,9 @@ def _interpolate(p: SamplingCall, t: float, h: float) -> None:
     """The polynomial of the step that was taken (Hairer, Norsett, Wanner, II.6): seven rows of n."""
     _call_step(p.extend, t, h, p.length, p.work, p.evaluate, p.problem)
     n, m = p.n, p.length
-    rows, y, end = doubles(p.dense, 7 * n), doubles(_place(p, Y), m), doubles(_place(p, NEXT), m)
-    first, last = doubles(_place(p, FIRST), m), doubles(_place(p, AT_END), m)
-    stages, given = doubles(_place(p, FIRST), p.stages * m), doubles(p.coefficients, 4 * p.stages)
+    rows, y, end = doubles(p.dense, 7 * n), doubles(place(p, Y), m), doubles(place(p, NEXT), m)
+    first, last = doubles(place(p, FIRST), m), doubles(place(p, AT_END), m)
+    stages, given = doubles(place(p, FIRST), p.stages * m), doubles(p.coefficients, 4 * p.stages)
     for i in range(n):
         change = end[i] - y[i]
         rows[i] = change
@@ -98,17 +93,10 @@ def _interpolate(p: SamplingCall, t: float, h: float) -> None:
 @inlined
 def _between(p: SamplingCall, t: float, h: float, share: float, parameters: int) -> tuple[float, float]:
     """Value and rate of the guard at a share of the step, both by its polynomial."""
-    n, rows, y = p.n, doubles(p.dense, 7 * p.n), doubles(_place(p, Y), p.length)
+    n, rows, y = p.n, doubles(p.dense, 7 * p.n), doubles(place(p, Y), p.length)
     x, f = doubles(p.spare, p.length), doubles(p.speed, p.length)
     draw(n, rows, y, h, share, x, f)
     return _measure(p, t + share * h, p.spare, p.speed, parameters)
-
-
-@inlined
-def _side(value: float, rate: float) -> float:
-    """The sign just after an instant."""
-    at = value if value != 0.0 else rate
-    return 1.0 if at > 0.0 else -1.0
 
 
 @inlined
@@ -119,7 +107,7 @@ def _zero(p: SamplingCall, t: float, h: float, parameters: int, a: float, side: 
         value, rate = _between(p, t, h, share, parameters)
         if value == 0.0 or b - a <= 4.0 * EPSILON:
             break
-        if _side(value, rate) == side:
+        if side_of(value, rate) == side:
             a = share
         else:
             b = share
@@ -153,7 +141,7 @@ def _beyond(
             break
         at = a + share * (b - a)
         value, rate = _between(p, t, h, at, parameters)
-        if _side(value, rate) != side:
+        if side_of(value, rate) != side:
             return at
         if value * rate < 0.0:
             a, rate_a = at, rate
@@ -172,7 +160,7 @@ def _crossing(p: SamplingCall, t: float, h: float, parameters: int, value: float
     for part in range(PARTS):
         b = (part + 1) / PARTS
         value_b, rate_b = _between(p, t, h, b, parameters)
-        side_a, side_b = _side(value_a, rate_a), _side(value_b, rate_b)
+        side_a, side_b = side_of(value_a, rate_a), side_of(value_b, rate_b)
         left, right, side = a, b, side_a
         hit = side_a != side_b and side_b == wanted
         if side_a == side_b and value_a * rate_a < 0.0 and value_b * rate_b > 0.0:
@@ -214,7 +202,7 @@ def _at_rest(p: SamplingCall, state: np.ndarray, targets: np.ndarray) -> bool:
 @inlined
 def _begin(p: SamplingCall, sample: int) -> None:
     """State and field's constants of a sample into place."""
-    y, x = doubles(_place(p, Y), p.length), doubles(p.starts + 8 * sample * p.n, p.n)
+    y, x = doubles(place(p, Y), p.length), doubles(p.starts + 8 * sample * p.n, p.n)
     for i in range(p.length):
         y[i] = x[i] if i < p.n else 0.0
     problem = integers(p.problem, 2)
@@ -226,11 +214,11 @@ def _move(p: SamplingCall, sample: int, t1: float, tolerance: float, result: Sam
     """A motion from its start until it rests, or its time is up; `result` is filled in."""
     m, parameters = p.length, p.values + 8 * sample * p.parameters
     targets = doubles(p.places + 8 * sample * p.targets * p.n, p.targets * p.n)
-    y, end, slope = doubles(_place(p, Y), m), doubles(_place(p, NEXT), m), doubles(_place(p, FIRST), m)
-    slope_end, constants = doubles(_place(p, AT_END), m), integers(p.problem, 2)[1]
+    y, end, slope = doubles(place(p, Y), m), doubles(place(p, NEXT), m), doubles(place(p, FIRST), m)
+    slope_end, constants = doubles(place(p, AT_END), m), integers(p.problem, 2)[1]
     t, steps, former = 0.0, 0, 1e-4
-    call_rhs(p.rhs, t, _place(p, Y), constants, _place(p, FIRST))
-    value, rate = _measure(p, t, _place(p, Y), _place(p, FIRST), parameters)
+    call_rhs(p.rhs, t, place(p, Y), constants, place(p, FIRST))
+    value, rate = _measure(p, t, place(p, Y), place(p, FIRST), parameters)
     speed = _size(p, slope)
     if not speed < math.inf or not abs(value) < math.inf:
         return NOT_FINITE
@@ -254,12 +242,12 @@ def _move(p: SamplingCall, sample: int, t1: float, tolerance: float, result: Sam
             h = length * (0.1 if undefined else max(MOST_SHRINKAGE, SAFETY * error ** (-1.0 / ORDER)))
             continue
         late = t1 if length == t1 - t else t + length
-        call_rhs(p.rhs, late, _place(p, NEXT), constants, _place(p, AT_END))
-        value_end, rate_end = _measure(p, late, _place(p, NEXT), _place(p, AT_END), parameters)
+        call_rhs(p.rhs, late, place(p, NEXT), constants, place(p, AT_END))
+        value_end, rate_end = _measure(p, late, place(p, NEXT), place(p, AT_END), parameters)
         if not abs(value_end) < math.inf:
             return NOT_FINITE
         reach = 2.0 * length * max(abs(rate), abs(rate_end))  # as far as it may go and come back
-        if _side(value, rate) != _side(value_end, rate_end) or min(abs(value), abs(value_end)) <= reach:
+        if side_of(value, rate) != side_of(value_end, rate_end) or min(abs(value), abs(value_end)) <= reach:
             _interpolate(p, t, length)
             at = _crossing(p, t, length, parameters, value, rate)
             if at >= 0.0:

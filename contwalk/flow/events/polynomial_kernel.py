@@ -1,10 +1,17 @@
-"""The interpolating polynomial of a step of order 8, with its derivative, for numba."""
+"""The polynomial of a step of order 8 with its derivative, and the sign of a value just after an instant."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from contwalk.flow.compiled.calling import inlined
+
+
+@inlined
+def side_of(value: float, rate: float) -> float:
+    """The sign just after an instant."""
+    at = value if value != 0.0 else rate
+    return 1.0 if at > 0.0 else -1.0
 
 
 @inlined

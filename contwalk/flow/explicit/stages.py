@@ -24,10 +24,10 @@ or, where Jacobians are evaluated between two passes over the same steps (see `b
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
 from functools import cache
 
+from contwalk.fields.elimination_code import literal
 from contwalk.fields.lanes import LANES
 from contwalk.fields.llvm import Code, code_of
 from contwalk.flow.compiled.products import WIDTH
@@ -71,10 +71,6 @@ def text(method: RungeKutta) -> str:
 # -- sums of stages ------------------------------------------------------------------------------------------
 
 
-def _number(value: float) -> str:
-    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
-
-
 def _splat(value: str) -> str:
     return f"splat (double {value})"
 
@@ -94,12 +90,12 @@ def _sum(name: str, terms: Combination) -> list[str]:
     total = ""
     for stage, coefficient in terms.items():
         lines += _load(f"{name}_{stage}", f"k{stage}")
-        factor = _splat(_number(coefficient))
+        factor = _splat(literal(coefficient))
         lines.append(f"  %{name}_{stage}_term = fmul {_VECTOR} %{name}_{stage}, {factor}")
         if total:
             lines.append(f"  %{name}_{stage}_sum = fadd {_VECTOR} {total}, %{name}_{stage}_term")
         total = f"%{name}_{stage}_sum" if total else f"%{name}_{stage}_term"
-    return [*lines, f"  %{name} = fadd {_VECTOR} {total}, {_splat(_number(-0.0))}"]
+    return [*lines, f"  %{name} = fadd {_VECTOR} {total}, {_splat(literal(-0.0))}"]
 
 
 def _load(name: str, array: str) -> list[str]:
@@ -151,7 +147,7 @@ def _stage(i: int, node: float, row: Combination, name: str) -> list[str]:
     """Statements of one stage: its state, its time, the field there."""
     return [
         _call(name, row, "stage"),
-        f"  %d{i} = fmul double %h, {_number(node)}",
+        f"  %d{i} = fmul double %h, {literal(node)}",
         f"  %t{i} = fadd double %t, %d{i}",
         f"  call void %evaluate(ptr %problem, double %t{i}, ptr %stage, ptr %k{i})",
     ]
@@ -198,7 +194,7 @@ def _joined(squares: Sequence[str]) -> list[str]:
     fine, crude = squares
     return [
         *lines,
-        f"  %share = fmul double {crude}, {_number(0.01)}",
+        f"  %share = fmul double {crude}, {literal(0.01)}",
         f"  %sum = fadd double {fine}, %share",
         "  %root = call double @llvm.sqrt.f64(double %sum)",
         f"  %quotient = fdiv double {fine}, %root",

@@ -21,6 +21,7 @@ from contwalk.flow.gauss.parts import (
     work,
 )
 from contwalk.flow.gauss.step import CONVERGED, NOT_FINITE, carry, end_of, increments
+from contwalk.flow.radau.kernel import end_of_step
 from contwalk.flow.radau.parts import Equations
 
 DONE, NOT_FINITE_PATH, TOO_MANY_STEPS, STEP_TOO_SMALL, FULL = 0, 1, 2, 3, 4
@@ -157,15 +158,6 @@ def _first_step(call: GaussCall, eq: Equations, w: Work, t: float, x: np.ndarray
     return np.copysign(min(0.5 * call.tolerance ** (1.0 / (order + 1)) / speed, 0.1 * abs(span)), span)
 
 
-@inlined
-def _end_of_step(t: float, h: float, t1: float) -> float:
-    """Where a step of about h ends: on t1, or so that what remains is not much shorter than the step."""
-    rest = t1 - t
-    if abs(rest) <= 1.000001 * abs(h):
-        return t1
-    return t + (0.5 * rest if abs(rest) < 2.0 * abs(h) else h)
-
-
 def gauss_adaptive(address: int) -> int:
     """Steps with error control from the last node written to t1, until there is no more room."""
     call = gauss_call(address)
@@ -186,7 +178,7 @@ def gauss_adaptive(address: int) -> int:
                 return NOT_FINITE_PATH
         finite, rejected = True, False
         while True:
-            end = _end_of_step(t, control.proposed, t1)
+            end = end_of_step(t, control.proposed, t1)
             h = end - t
             if (end != t1 and not abs(h) > 16.0 * EPSILON * abs(t)) or h == 0.0:
                 return STEP_TOO_SMALL if finite else NOT_FINITE_PATH

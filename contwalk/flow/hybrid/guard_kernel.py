@@ -19,7 +19,7 @@ from ctypes import sizeof
 from typing import Any
 
 from contwalk.flow.compiled.calling import caller, doubles, inlined, integers, record
-from contwalk.flow.events.polynomial_kernel import draw
+from contwalk.flow.events.polynomial_kernel import draw, side_of
 from contwalk.flow.explicit.drivers import EPSILON, copy, explicit_call, first_stage, place, step
 from contwalk.flow.explicit.stages import FIRST, NEXT, Y
 from contwalk.flow.hybrid.event_records import PARTS, GuardOnStep, ModeRecord
@@ -49,13 +49,6 @@ def measured(m: ModeRecord, guard: int, t: float, state: int, velocity: int) -> 
     _call_guard(integers(m.addresses, guard + 1)[guard], t, state, velocity, m.parameters, m.measured)
     out = doubles(m.measured, 3)
     return out[0], out[1], out[2] * EPSILON
-
-
-@inlined
-def side_of(value: float, rate: float) -> float:
-    """The sign just after an instant."""
-    at = value if value != 0.0 else rate
-    return 1.0 if at > 0.0 else -1.0
 
 
 @inlined
