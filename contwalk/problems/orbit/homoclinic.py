@@ -137,6 +137,13 @@ class _Equilibrium:
         distances = [p.distance(old) for p, old in known if old is not None]
         return float(np.log(min(distances, default=np.nan) / self.distance))
 
+    def grown(self, before: list[SlowPlace]) -> float:
+        """The logarithm of by how much the range of an orbit is larger than of one before, with these slow
+        places; NaN where that is slow elsewhere.
+        """
+        known = (np.log(self.place.scale / p.scale).max() for p in before if p.names == self.place.names)
+        return float(next(known, np.nan))
+
 
 def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     """The end at a homoclinic or heteroclinic orbit, where two neighbouring orbits show that it is near."""
@@ -149,13 +156,15 @@ def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     typical = float(b.weights[-1])
     size = max(abs(float(b.z[-1])), NEAR_ZERO * typical)
     wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * size
-    if not np.all(np.isfinite(slopes)) or abs(slopes[1]) * b.period > MOST_TURNS * wanted:
+    # Errors of the walk's steps turn the parameter by as much, and may hide its law.
+    noise = float(np.nan_to_num(a.error + b.error)) * typical
+    if not np.all(np.isfinite(slopes)) or abs(slopes[1]) * b.period > max(MOST_TURNS * wanted, noise):
         return None
     pair = Pair(np.array([a.period, b.period]), np.array([a.z[-1], b.z[-1]]), slopes)
     places = _creeping(problem, b.z)
     near = [law for law in _laws(places, pair, problem.eventful, typical) if law.limit.swing <= wanted]
     before = problem.slow_places(a.z) if near else []
-    if not any(law.obeyed(before) for law in near) and not _lies_within_noise(places, pair, wanted):
+    if not (any(law.obeyed(before) for law in near) or _lies_within(places, pair, max(REST * wanted, noise))):
         return None
     found = _approached(problem, (a, b), wanted)
     if found is None:
@@ -205,7 +214,9 @@ def _approached(problem: OrbitData, samples: tuple[Sample, Sample], wanted: floa
         slow, value = _creeping(place.problem, place.z), float(place.z[-1])
         if last is not None:
             with np.errstate(over="ignore", invalid="ignore"):  # what overflows obeys none
-                laws = _laws(slow, pair_of(last, place), problem.eventful, float(b.weights[-1]))
+                pair = pair_of(last, place)
+                laws = _standing(slow, pair, last.error + place.error)
+                laws = laws or _laws(slow, pair, problem.eventful, float(b.weights[-1]))
             if found is None:
                 laws = [law for law in laws if law.limit.swing <= wanted and law.obeyed(before)]
             elif laws:
@@ -235,13 +246,13 @@ def _equilibria(places: list[SlowPlace]) -> list[_Equilibrium]:
     return [_Equilibrium(place, rest) for place in places if (rest := place.equilibrium()) is not None]
 
 
-def _lies_within_noise(places: list[SlowPlace], pair: Pair, wanted: float) -> bool:
+def _lies_within(places: list[SlowPlace], pair: Pair, hidden: float) -> bool:
     """Whether a saddle is passed so closely, and its slowest rate tells a limit so near, that the walk's own
     steps may hide the law: its slope is noise then, and a walk would go on in that for ever.
     """
     slope = abs(float(pair.slopes[1]))
     return any(
-        own.saddle and own.distance <= AT_REST and slope <= REST * wanted * np.abs(own.values.real).min()
+        own.saddle and own.distance <= AT_REST and slope <= hidden * np.abs(own.values.real).min()
         for own in _equilibria(places)
     )
 
@@ -322,11 +333,32 @@ def _coming(own: _Equilibrium, pair: Pair, eventful: bool) -> _Law | None:
     return None if limit is None else _law(own, limit, pair, (1.0 - LAWFUL) * into, (1.0 + LAWFUL) * into)
 
 
-def _law(own: _Equilibrium, limit: Limit, pair: Pair, slowest: float, fastest: float) -> _Law:
-    """The law of an equilibrium, to which orbits come at a rate between two."""
+def _standing(places: list[SlowPlace], pair: Pair, known: float) -> list[_Law]:
+    """The limit of orbits that come to a saddle while their parameter stands still to what it is known to, as
+    where something is conserved at one value of it: that value.
+
+    They come to one where their range has a limit, and changes by no more than what they come nearer by.
+    """
+    if np.abs([*np.diff(pair.values), *(pair.slopes * pair.apart)]).max() > known:
+        return []
+    limit, fastest = Limit(0.0, known, known), 1.0 + LAWFUL
+    passed = (own for own in _equilibria(places) if own.saddle and own.distance <= PASSED)
+    return [
+        _law(own, limit, pair, own.slowest / ABOUT, fastest * own.slowest, ABOUT * own.distance)
+        for own in passed
+    ]
+
+
+def _law(
+    own: _Equilibrium, limit: Limit, pair: Pair, slowest: float, fastest: float, grows: float = np.inf
+) -> _Law:
+    """The law of an equilibrium, to which orbits come at a rate between two, while their range grows by no
+    more than a part of what they come nearer by.
+    """
 
     def comes(before: list[SlowPlace]) -> bool:
-        return slowest <= own.come_nearer(before) / pair.apart <= fastest
+        nearer = own.come_nearer(before)
+        return slowest <= nearer / pair.apart <= fastest and not own.grown(before) > grows * np.expm1(nearer)
 
     return _Law(limit, comes, f"the equilibrium {own.place.described(own.rest)}")
 

@@ -10,7 +10,15 @@ from small_systems import labelled, small_problem
 
 import contwalk as cw
 from contwalk.numerics.laws import Pair, falling, inverse_square, swinging
-from contwalk.problems.orbit.homoclinic import _coming, _Equilibrium, _gone, _laws, _passing, homoclinic
+from contwalk.problems.orbit.homoclinic import (
+    _coming,
+    _Equilibrium,
+    _gone,
+    _laws,
+    _passing,
+    _standing,
+    homoclinic,
+)
 from contwalk.problems.orbit.slow_place import SlowPlace
 
 # Where the manifolds of the saddle of the Morris-Lecar model below meet, by SciPy's DOP853 to 1e-13: from two
@@ -103,6 +111,24 @@ def test_longer_periods_are_followed_until_rounding_is_left(a):
     period = float(re.search(r"where the period is (\S+)\.", cycle.outcome.message)[1])
     # By then what is left has fallen from the walk's 1e-7, at the lesser rate of the saddle.
     assert period > cycle.points["period"][-1] + np.log(1e4) / (1.0 - abs(a))
+
+
+def escape(t, x, p, dx):
+    """Undamped it conserves y^2 / 2 + x^2 / 2 + x^3 / 3: all its orbits, and their loop, are at m = 0."""
+    dx[0] = x[1]
+    dx[1] = -x[0] - x[0] ** 2 - p.m * x[1]
+
+
+def test_a_family_at_one_value_of_the_parameter_ends_at_its_saddle():
+    """Slopes are rounding all along: the walk went on to periods of 1500, and told folds that are none."""
+    problem = small_problem(escape, "xy", {"m": 0.5}, "m")
+    equilibria = cw.continue_branch(problem, [0.0, 0.0], (-1.0, 1.0))
+    cycle = cw.switch_branch(problem, equilibria, "HB1", (-1.0, 1.0))
+    assert cycle.outcome.reason == "homoclinic", cycle.outcome
+    assert "the equilibrium x = -1, y = 0" in cycle.outcome.message
+    assert [p.label for p in cycle.special_points] == ["EP"]
+    value, error = claimed(cycle)
+    assert abs(value) <= error < 1e-10
 
 
 def circuit(t, x, p, dx):
@@ -234,7 +260,7 @@ def test_the_law_of_a_round_past_several_saddle_foci_alike(passes):
     assert limit.rest == pytest.approx(2.0 - law(20.4), rel=1e-3)
 
 
-AT = {"z": np.array([2.0]), "weights": np.array([2.0])}
+AT = {"error": 0.0, "z": np.array([2.0]), "weights": np.array([2.0])}
 
 
 def place(speed):
@@ -285,6 +311,26 @@ def test_the_law_of_a_saddle_node_that_has_gone():
     assert obeyed([place(near.speed * (307.0 / 297.0) ** 2)])
     assert not obeyed([place(1.01 * near.speed)])  # the least speed stays: no equilibrium has gone
     assert _gone(bottleneck(np.zeros(2), law(310.0), 1.0), pair, 1.0) is None  # they meet elsewhere
+
+
+@pytest.mark.parametrize(("growth", "ends"), [(1e-3, True), (3e-2, False)])
+def test_orbits_that_grow_while_their_parameter_stands_still_have_no_limit(growth, ends):
+    """Lotka and Volterra's come to the saddle (0, 0) as their periods grow, and so do they, without bound."""
+    saddle = np.diag([1.0, -1.0])
+
+    def passed(period, range_):
+        state = np.array([0.1, 0.1]) * np.exp(-0.5 * period) * range_
+        linear = (lambda x: saddle @ x), (lambda x: saddle)
+        return SlowPlace(
+            ("x", "y"), 1e-3, 1.0, state, np.full(2, range_), state[None], *linear, lambda x, value: (x, x)
+        )
+
+    before, near = passed(9.0, 1.0), passed(9.5, 1.0 + growth)
+    pair = Pair(np.array([9.0, 9.5]), np.array([0.0, 1e-14]), np.array([1e-15, -1e-15]))
+    (law,) = _standing([near], pair, 1e-13)
+    assert law.obeyed([before]) == ends
+    assert law.limit.error == 1e-13
+    assert _standing([near], pair, 1e-15) == []  # it moves, and another law has to tell
 
 
 def test_only_an_orbit_that_creeps_is_compared_with_the_one_before():
