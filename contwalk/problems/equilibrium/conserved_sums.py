@@ -29,7 +29,7 @@ def conserved_sums(problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray:
     n = problem.states
     none = np.zeros((0, n))
     sizes, numbers = np.abs(z) + (z == 0.0), np.arange(1.0, len(z) + 1.0)
-    with mpmath.workdps(DIGITS):
+    with mpmath.workdps(DIGITS), np.errstate(invalid="ignore"):
         try:
             places = (z + AWAY * np.cos(numbers * (k + 1.0)) * sizes for k in range(n + MORE))
             inputs = (problem.exact_inputs([mpmath.mpf(float(v)) for v in place]) for place in places)
