@@ -243,11 +243,8 @@ def _located(
 
 def _jumped(around: Mapping[float, float]) -> bool:
     """Whether a margin, known at some places of a segment, passes zero between two that are next to one."""
-    return any(
-        abs(around[p] - around[q]) > JUMPED
-        for p, q in pairwise(sorted(around))
-        if (around[p] > 0.0) != (around[q] > 0.0) and q - p < 4.0 * NARROWEST
-    )
+    near = [(around[p], around[q]) for p, q in pairwise(sorted(around)) if q - p < 4.0 * NARROWEST]
+    return any((a > 0.0) != (b > 0.0) and abs(a - b) > JUMPED for a, b in near)
 
 
 def limits_of(problem: Problem) -> Sequence[Limit]:
@@ -296,12 +293,9 @@ def up_to(problem: Problem, found: list[Found], end: Found, events: Mapping[str,
     Where a leg vanishes a watched guard may be at its limit as well: on which side of the end it is found is
     rounding, and it is told there.
     """
-    before = [
-        replace(point, theta=min(point.theta, end.theta))
-        for point in found
-        if point.theta <= end.theta + SAME_PLACE and policy(problem, point.located, events) == "ignore"
-    ]
-    return [*before, end]
+    ignored = [p for p in found if policy(problem, p.located, events) == "ignore"]
+    before = [p for p in ignored if p.theta <= end.theta + SAME_PLACE]
+    return [*(replace(p, theta=min(p.theta, end.theta)) for p in before), end]
 
 
 def dips(segment: Segment, rounded: float, known: float) -> Iterator[tuple[float, int, bool]]:

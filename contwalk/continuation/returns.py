@@ -135,12 +135,8 @@ def _finds_again(segment: Segment, found: list[Found], origin: Sample) -> float 
     touches the value that it began with and does not cross it.
     """
     near = FOUND_AGAIN * origin.weights[-1]
-    places = (
-        each.theta
-        for each in found
-        if each.kind != "unlocated"
-        and each.type.test in CROSSINGS
-        and abs(each.sample.parameter - origin.parameter) <= near
-        and (each.located.problem or segment.problem).equivalence.same(origin, each.sample)
-    )
-    return next(places, None)
+    crossings = (f for f in found if f.kind != "unlocated" and f.type.test in CROSSINGS)
+    for each in (f for f in crossings if abs(f.sample.parameter - origin.parameter) <= near):
+        if (each.located.problem or segment.problem).equivalence.same(origin, each.sample):
+            return each.theta
+    return None
