@@ -8,6 +8,7 @@ fine grid, that is far less than how far it moves along the branch; of terms tha
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 
 import numpy as np
 
@@ -94,7 +95,8 @@ def initial_magnitudes(
     Beside what solution and equations tell, an unknown that does not tell its own is given how far it moves
     while the parameter changes by its weight, or an unknown that is not zero by its own size.
     """
-    clean = _without_noise(problem, z, linearization)
+    spread = _spread(linearization)
+    clean = _without_noise(problem, z, linearization, spread)
     magnitudes = clean.magnitudes
     sized = np.abs(z) >= 0.5 * np.nan_to_num(magnitudes)
     sized &= np.isfinite(magnitudes) & (magnitudes > 0.0)
@@ -107,7 +109,8 @@ def initial_magnitudes(
     if not np.any(moving):
         return magnitudes
     moved = tangent * float(np.min(known[moving] / tangent[moving]))
-    moved[(moved < _NOTHING * known) | (tangent <= _dust(linearization, tangent)[1])] = 0.0
+    still = tangent <= spread @ (EPSILON * (np.abs(linearization.jacobian) @ tangent))
+    moved[(moved < _NOTHING * known) | still] = 0.0
     further = ~sized & (moved > 0.0)
     return np.where(further, np.fmax(magnitudes, moved), magnitudes)
 
@@ -123,8 +126,9 @@ def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray, orig
         z[-1] = sample.parameter
     there = problem.linearize(z)
     known, powers = there.magnitudes, _by_power(sample, origin, weights)
-    still, stays = _dust(there, np.abs(sample.tangent))
-    powers[np.abs(sample.z - origin.z) <= still] = np.nan  # dust grows with no power
+    spread = _spread(there)
+    powers[np.abs(sample.z - origin.z) <= spread @ there.levels[0]] = np.nan  # dust grows with no power
+    stays = spread @ (EPSILON * (np.abs(there.jacobian) @ np.abs(sample.tangent)))
     moved = np.fmax(np.abs(sample.tangent), powers)
     # A declared scale may be one as well; it stays what it is.
     begins = (z != 0.0) & (moved > np.maximum(_NOTHING * weights, stays)) | np.isfinite(powers)
@@ -150,9 +154,11 @@ def _by_power(sample: Sample, origin: Sample, weights: np.ndarray) -> np.ndarray
     return moved
 
 
-def _without_noise(problem: Problem, z: np.ndarray, linearization: Linearization) -> Linearization:
+def _without_noise(
+    problem: Problem, z: np.ndarray, linearization: Linearization, spread: np.ndarray
+) -> Linearization:
     """The equations at z, or where unknowns that are zero but for their error are exactly zero."""
-    noisy = (np.abs(z) <= _dust(linearization, np.zeros(len(z)))[0]) & (z != 0.0)
+    noisy = (np.abs(z) <= spread @ linearization.levels[0]) & (z != 0.0)
     if not np.any(noisy):
         return linearization
     clean = problem.linearize(np.where(noisy, 0.0, z))
@@ -161,14 +167,13 @@ def _without_noise(problem: Problem, z: np.ndarray, linearization: Linearization
     return clean
 
 
-def _dust(linearization: Linearization, tangent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Below which each unknown is zero but for rounding, and below which it does not move along a tangent.
+def _spread(linearization: Linearization) -> np.ndarray:
+    """With errors of the equations, shape (N,), below what size each unknown is one, shape (N + 1, N).
 
-    All have the shape (N + 1,), the tangent is of sizes. Zero where the equations are singular.
+    Zero for the parameter, which is held, and where the equations are singular.
     """
-    square, moved = linearization.jacobian[:, :-1], np.abs(linearization.jacobian) @ tangent
-    try:
-        inverse = NOISE * np.abs(Factored(square).solve(np.eye(len(square))))
-    except np.linalg.LinAlgError:  # a fold or a branch point
-        inverse = np.zeros(square.shape)
-    return np.append(inverse @ linearization.levels[0], 0.0), np.append(inverse @ (EPSILON * moved), 0.0)
+    square = linearization.jacobian[:, :-1]
+    spread = np.zeros((len(square) + 1, len(square)))
+    with suppress(np.linalg.LinAlgError):  # a fold or a branch point
+        spread[:-1] = NOISE * np.abs(Factored(square).solve(np.eye(len(square))))
+    return spread

@@ -112,9 +112,10 @@ def _form(problem: OrbitData, point: OrbitKind, located: Located, sample: Sample
     if directions < count or problem.system.conserved or volumes.kept(problem, located.z):
         return point.form_of_pair(problem, located, sample)
     form = point.form(problem, located, sample)
+    if count < 2:
+        return form
     # No coefficient along one direction tells of what leaves along several.
-    several = form[0], None, {"multiplicity": count}, SEVERAL.format(count, point.multiplier)
-    return form if count < 2 else several
+    return form[0], None, {"multiplicity": count}, SEVERAL.format(count, point.multiplier)
 
 
 def _double(sample: Sample, critical: float) -> bool:
@@ -129,10 +130,13 @@ def _together(problem: OrbitData, located: Located, sample: Sample, critical: fl
     """
     known = np.minimum(sample.errors, MEET)
     together = np.abs(sample.eigenvalues - critical) <= known
+    count = int(np.count_nonzero(together))
+    if count < 2:  # one has its own direction
+        return count, count
     a = problem.return_map(located.z).a
     sizes = np.linalg.svd(a - critical * np.eye(len(a)), compute_uv=False)
-    least = known[together].max(initial=0.0) * float(np.linalg.norm(a, 2))
-    return int(np.count_nonzero(together)), int(np.count_nonzero(sizes <= max(least, sizes[-1])))
+    least = known[together].max() * float(np.linalg.norm(a, 2))
+    return count, int(np.count_nonzero(sizes <= max(least, sizes[-1])))
 
 
 def known(
