@@ -18,7 +18,8 @@ def blind_steps(branch: Branch) -> str:
     special = [point.index for point in branch.special_points]
     walked = np.ones(len(branch), dtype=bool)
     walked[special] = False
-    rows = branch.points[walked]
+    places = np.flatnonzero(walked)
+    rows = branch.points[places]
     errors = np.nan_to_num(rows["error"], posinf=0.0)
     known = np.maximum(errors[1:], errors[:-1])
     lengths = np.abs(np.diff(rows["s"]))
@@ -34,24 +35,25 @@ def blind_steps(branch: Branch) -> str:
         "points may be missed or false. "
     )
     return sentence + (
-        _tiny(branch, rows[ends]) or "A finer `accuracy`, or a larger `engine: {min_step}`, may help."
+        _tiny(branch, places[ends]) or "A finer `accuracy`, or a larger `engine: {min_step}`, may help."
     )
 
 
-def _tiny(branch: Branch, rows: np.ndarray) -> str:
-    """What states of one sign are not known to their own size along orbits, of rows (k,); empty if none.
+def _tiny(branch: Branch, places: np.ndarray) -> str:
+    """What states of one sign are not known to their own size along orbits, rows of these numbers (k,); empty
+    if none.
 
     Errors of steps are in units of how far a state moves: half a float's digits below, none is its own.
     """
-    names, shares = branch.info.observables, {}
+    small = {}
     for state in branch.info.states:
-        if f"min:{state}" in names:
-            columns = [names.index(f"{side}:{state}") for side in ("min", "max")]
-            signs, sizes = np.sign(rows["observables"][:, columns]), np.abs(rows["observables"][:, columns])
-            of_one_sign = (signs[:, 0] == signs[:, 1]) & (signs[:, 0] != 0.0)
-            least, largest = sizes[of_one_sign].min(axis=1), sizes[of_one_sign].max(axis=1)
-            shares[state] = np.min(least / largest, initial=1.0)
-    small = {state: share for state, share in shares.items() if share < np.sqrt(EPSILON)}
+        if f"min:{state}" in branch.info.observables:
+            low, high = (branch[f"{side}:{state}"][places] for side in ("min", "max"))
+            of_one_sign = (low > 0.0) | (high < 0.0)
+            least, most = (end(np.abs(low), np.abs(high))[of_one_sign] for end in (np.minimum, np.maximum))
+            share = float(np.min(least / most, initial=1.0))
+            if share < np.sqrt(EPSILON):
+                small[state] = share
     if not small:
         return ""
     first, each = next(iter(small)), (f"{state} returns from {share:.1e}" for state, share in small.items())
