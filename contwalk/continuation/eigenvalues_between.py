@@ -11,6 +11,7 @@ Scientific 2003, chapter 2.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,8 @@ from contwalk.problems.problem import Sample
 STRAIGHT = 0.05
 # Places at which cubics are asked.
 PLACES = np.linspace(0.0, 1.0, 33)
+# Numbers of the first and of the second of each pair of so many.
+_pairs = cache(np.triu_indices)
 
 
 def peaks(segment: Segment, low: Placed, high: Placed) -> Iterator[float]:
@@ -62,7 +65,7 @@ def _place(a: Sample, b: Sample, length: float) -> float | None:
         return None
     order = _same(ends[0].values, ends[1].values, ends[0].moved, ends[1].moved)
     ends = ends[0], _End(*(each[order] for each in ends[1]))
-    first, second = np.triu_indices(len(order), 1)
+    first, second = _pairs(len(order), 1)
     apart = [end.values[first] - end.values[second] for end in ends]
     squares = [each * each for each in apart]
     bends = [
@@ -129,7 +132,7 @@ def _meeting(end: _End, way: float) -> np.ndarray:
 
     Of two that leave at a right angle the difference is a root: it goes twice as fast as it does at first.
     """
-    first, second = np.triu_indices(len(end.values), 1)
+    first, second = _pairs(len(end.values), 1)
     apart, closing = (each[first] - each[second] for each in (end.values, end.moved))
     meet = (way * (apart * np.conj(closing)).real < 0.0) & (np.abs(apart) < 2.0 * np.abs(closing))
     return np.unique([first[meet], second[meet]])
@@ -159,7 +162,7 @@ def _same(a: np.ndarray, b: np.ndarray, va: np.ndarray, vb: np.ndarray) -> np.nd
     """Which eigenvalue at the end each one at the beginning becomes, by values and rates, shape (k,)."""
     miss = np.abs(b - a[:, None] - 0.5 * (va[:, None] + vb))
     found = np.argmin(miss, axis=1)
-    if len(np.unique(found)) == len(a):
+    if len(set(found.tolist())) == len(a):
         return found
     for _ in a:  # the surest first
         i, j = np.unravel_index(int(np.argmin(miss)), miss.shape)

@@ -23,9 +23,9 @@ from contwalk.problems.problem import Located, Problem, Sample, Test, refined
 TURN = 1e-3
 # A rate this small against those at the ends is zero to rounding.
 FLAT = 4e-14
-# Across a bracket this narrow, in parts of the segment, a rate that is still half of what it is at the ends
-# jumps from one sign to the other; of a smooth extremum it would be a ten-thousandth.
-NARROW = 1e-4
+# A rate that is still half of what it is at the ends of a segment, and over a bracket changes so many times
+# as steeply as between them, jumps from one sign to the other; of a smooth extremum it would be a thousandth.
+STEEP = 1e3
 # A rate in the metric this small against the value is none.
 STILL, TINY = 1e-9, 1e-300
 # How far beyond a place at which a rate is exactly zero its sign is looked at: in parts of a segment, or in
@@ -197,8 +197,8 @@ def _extrema(segment: Segment, name: str, low: float, high: float, observer: Obs
     def decided(theta: float, left: float, right: float) -> float | None:
         flat = abs(rates[theta]) <= FLAT * max(abs(rates[low]), abs(rates[high]))
         beside, ends = ([abs(rates[t]) for t in each] for each in ((left, right), (low, high)))
-        jumps = right - left < NARROW and min(beside) > 0.5 * min(ends)
-        return theta if flat or jumps else None
+        steep = (high - low) * sum(beside) > STEEP * (right - left) * sum(ends)
+        return theta if flat or (steep and min(beside) > 0.5 * min(ends)) else None
 
     rates: dict[float, float] = {}
     try:
