@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from os import PathLike
@@ -20,6 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
 from contwalk.errors import ContwalkError
+from contwalk.files.drafts import drafted
 from contwalk.plotting.film_page import PageWriter
 from contwalk.plotting.machine import scenery
 from contwalk.plotting.playback import Playback
@@ -111,10 +111,11 @@ def save_animation(
     instants = motion.begin + (motion.end - motion.begin) * np.arange(number) / number
     second = None if beside is None else Playback(system, times, beside, parameters)
     film = _Film(motion, events, slow, title, second, caption)
-    partial = target.with_name(f".{target.stem}.partial{suffix}")
     try:
-        _write(film, _writer(suffix, fps, title), partial, instants, progress)
-        os.replace(partial, target)
+        with drafted(target, lambda name: name.open("xb")) as draft:
+            draft.file.close()
+            _write(film, _writer(suffix, fps, title), draft.path, instants, progress)
+        draft.lock.release()
     except OSError as error:
         raise ContwalkError(
             f"The animation cannot be written to {target}: {error.strerror or error}.",
@@ -125,8 +126,6 @@ def save_animation(
         raise ContwalkError(
             f"ffmpeg could not write {target}: {said[-1] if said else error}.", "Name a .gif or .html file."
         ) from error
-    finally:
-        partial.unlink(missing_ok=True)
     return number
 
 

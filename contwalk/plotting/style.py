@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from contwalk.errors import ContwalkError
 from contwalk.figure_formats import allowed_formats, unknown_format
+from contwalk.files.drafts import written
 from contwalk.system.declarations import nearest
 
 # Okabe and Ito's colour-blind-safe palette, without its yellow, which is too faint for a line on white.
@@ -203,8 +204,8 @@ def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:
     if whole.get_layout_engine() is None:
         whole.set_layout_engine("constrained")
     try:
-        with matplotlib.rc_context(_WRITING):
-            whole.savefig(target, dpi=DPI, metadata=_UNDATED[suffix])
+        with matplotlib.rc_context(_WRITING), written(target) as stream:
+            whole.savefig(stream, format=suffix[1:], dpi=DPI, metadata=_UNDATED[suffix])
     except OSError as error:
         raise ContwalkError(
             f"The figure cannot be written to {target}: {error.strerror or error}.",

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from contwalk.errors import DatabaseError, WriteError
+from contwalk.files.drafts import AlreadyThereError, target_of
 
 try:
     import resource
@@ -48,32 +49,6 @@ JOURNALS = {"_margins.journal": "margins", "_samples.journal": "sample"}
 AGAIN = "Restore the file from a copy, or compute it again with contwalk continue FILE --force."
 
 
-class AlreadyThereError(Exception):
-    """Another process has put a file where a new one was to be."""
-
-
-def put_in_place(draft: Path, target: Path, new: bool) -> None:
-    """Give a file that is whole its name; one that is `new` goes over no other.
-
-    Raises
-    ------
-    AlreadyThereError
-    """
-    if not new:
-        draft.replace(target)
-        return
-    try:
-        os.link(draft, target)
-    except FileExistsError:
-        raise AlreadyThereError from None
-    except OSError:  # a system of files without links
-        if target.exists():
-            raise AlreadyThereError from None
-        draft.replace(target)
-    else:
-        draft.unlink()
-
-
 @contextmanager
 def failures_of(path: Path, purpose: str) -> Iterator[None]:
     """Turn the errors of h5py and the operating system into a `DatabaseError` about `path`.
@@ -88,6 +63,21 @@ def failures_of(path: Path, purpose: str) -> Iterator[None]:
         yield
     except _RAISED_BY[purpose] as error:
         raise explained(path, purpose, error) from error
+
+
+@contextmanager
+def creating(path: Path) -> Iterator[None]:
+    """As `failures_of`, for a file that is written whole."""
+    with failures_of(path, "create"):
+        try:
+            yield
+        except AlreadyThereError:
+            raise already_there(path) from None
+
+
+def already_there(path: Path) -> DatabaseError:
+    """The error for a file that would be replaced."""
+    return DatabaseError(f"{path} exists.", "Replace it with --force, or choose another output.")
 
 
 def explained(path: Path, purpose: str, error: Exception) -> DatabaseError:
@@ -182,6 +172,7 @@ def largest_file() -> int | None:
 
 def check_output(path: Path, overwrite: bool) -> None:
     """Refuse an output that cannot be created, before anything is computed or written."""
+    target_of(path)
     if path.is_dir():
         raise DatabaseError(f"{path} is a directory.", "Name a file in it, such as run.h5.")
     if not path.parent.is_dir():
@@ -212,7 +203,17 @@ def refuse_existing(paths: Sequence[Path], force: bool, made: bool = False) -> N
             if path.is_dir():
                 raise DatabaseError(f"{path} is a directory.", "Choose another output.")
             if path.exists() and not force:
-                raise DatabaseError(f"{path} exists.", "Replace it with --force, or choose another output.")
+                raise already_there(path)
+            target_of(path)
+
+
+def check_no_link(path: Path) -> None:
+    """Refuse a file of contwalk's own that is a link: whoever has put it there means another file."""
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        raise DatabaseError(
+            f"{path} is a link or no regular file; contwalk writes what it has found there.",
+            "Remove it, or choose another output.",
+        )
 
 
 def check_writable(path: Path) -> None:

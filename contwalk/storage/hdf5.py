@@ -17,6 +17,9 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
 from contwalk.errors import DatabaseError
+from contwalk.files.drafts import AlreadyThereError, drafted
+from contwalk.files.locking import Lock, is_locked
+from contwalk.files.locking import lock as acquire
 from contwalk.storage.database import (
     RunHeader,
     assemble,
@@ -25,19 +28,10 @@ from contwalk.storage.database import (
     finished,
     unknown_branch,
 )
-from contwalk.storage.failures import (
-    AlreadyThereError,
-    check_input,
-    check_output,
-    check_space,
-    failures_of,
-    put_in_place,
-)
+from contwalk.storage.failures import check_input, check_output, check_space, failures_of
 from contwalk.storage.file_database import FileDatabase
 from contwalk.storage.hdf5_branch import StoredBranch
 from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, dataset_in, read_header
-from contwalk.storage.locking import Lock, is_locked
-from contwalk.storage.locking import lock as acquire
 from contwalk.storage.records import RecordLog
 from contwalk.storage.schema import TEXT_DTYPE, decode, encode, joined, pieces
 from contwalk.storage.seal import append_seal
@@ -306,24 +300,15 @@ def _placed(
         If it is to be `new`, and another process has put a file there meanwhile.
     """
     text = encode(asdict(header), "the header")
-    target = Path(os.path.realpath(path))  # a symbolic link stays one
-    draft = target.with_name(f".{target.name}.{os.getpid()}.new")
+
+    def opened(name: Path) -> h5py.File:
+        return create_file(name, header, text, notes, branches)
+
     with failures_of(path, purpose):
         check_space(path, len(text), purpose)
-        file, lock = None, None
-        try:
-            file = create_file(draft, header, text, notes, branches)
-            lock = acquire(draft)
-            yield file, lock
-            file.flush()
-            put_in_place(draft, target, new)
-        except BaseException:
-            if file is not None:
-                _abandon(file)
-            if lock is not None:
-                lock.release()
-            draft.unlink(missing_ok=True)
-            raise
+        with drafted(path, opened, new, _abandon) as draft:
+            yield draft.file, draft.lock
+            draft.file.flush()
 
 
 def _closed(file: h5py.File) -> bool:

@@ -17,8 +17,8 @@ from types import TracebackType
 from typing import Any
 
 from contwalk.errors import ContwalkError, DatabaseError, WriteError
-from contwalk.storage.failures import again, failures_of, refuse_existing
-from contwalk.storage.locking import lock
+from contwalk.files.locking import lock
+from contwalk.storage.failures import again, check_no_link, failures_of, refuse_existing
 
 # Under this, lines tell what results are made with: that for what the study is, and others who go on with it.
 _MADE = "made with"
@@ -63,6 +63,7 @@ class Journal:
         self.made: list[dict[str, Any]] = []
         self.kept: list[dict[str, Any]] = []
         with failures_of(path, "create"):
+            check_no_link(path)
             path.touch()
             self._lock = lock(path)
             try:

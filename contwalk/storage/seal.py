@@ -40,7 +40,7 @@ def intact_file(path: Path) -> bool | None:
 
 
 def append_seal(path: Path) -> None:
-    """Seal a file; one that has no room for it stays as it is."""
+    """Seal a file, all of which is on the disk then; one that has no room for it stays as it is."""
     with suppress(OSError), path.open("r+b") as file:
         size = file.seek(0, os.SEEK_END)
         file.seek(0)
@@ -48,6 +48,7 @@ def append_seal(path: Path) -> None:
         try:
             file.write(seal)
             file.flush()
+            os.fsync(file.fileno())
         except OSError:
             os.truncate(path, size)
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from contwalk.errors import DatabaseError
+from contwalk.storage.csv_files import write_csv
 from contwalk.storage.database import Database
 from contwalk.storage.document import document
 from contwalk.storage.failures import explained, refuse_existing
@@ -44,13 +44,13 @@ def write_tables(db: Database, directory: str | Path, overwrite: bool = False) -
     except OSError as error:
         raise explained(directory, "create", error) from error
     written = [
-        _write(directory / "branches.csv", *_table(map(_branch_row, described))),
-        _write(directory / "special_points.csv", *_table(_special_rows(described))),
+        write_csv(directory / "branches.csv", *_table(map(_branch_row, described)), new=not overwrite),
+        write_csv(directory / "special_points.csv", *_table(_special_rows(described)), new=not overwrite),
     ]
     for name in db.branch_names():
         columns = db.branch(name).columns()
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        written.append(_write(directory / f"{name}.csv", list(columns), rows))
+        written.append(write_csv(directory / f"{name}.csv", list(columns), rows, new=not overwrite))
     return written
 
 
@@ -80,20 +80,3 @@ def _table(rows: Iterable[Mapping[str, Any]]) -> tuple[list[str], list[list[Any]
     rows = list(rows)
     header = list(dict.fromkeys(key for row in rows for key in row))
     return header, [[row.get(key) for key in header] for row in rows]
-
-
-def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
-    try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(header)
-            writer.writerows([_cell(value) for value in row] for row in rows)
-    except OSError as error:
-        raise explained(path, "create", error) from error
-    return path
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return repr(value) if isinstance(value, float) else value

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +12,8 @@ import h5py
 import numpy as np
 
 from contwalk.errors import DatabaseError
-from contwalk.storage.failures import check_input, failures_of
+from contwalk.files.drafts import drafted
+from contwalk.storage.failures import check_input, creating, failures_of
 from contwalk.storage.seal import append_seal
 from contwalk.storage.snapshot import open_snapshot
 
@@ -124,8 +124,14 @@ class Margins:
     basin: Mapping[str, Any] = field(default_factory=dict)
 
 
-def write_trajectory(path: Path, trajectory: Trajectory) -> Path:
-    """Write a motion; a file that exists is replaced when the new one is complete."""
+def write_trajectory(path: Path, trajectory: Trajectory, new: bool = False) -> Path:
+    """Write a motion; a file that exists is replaced when the new one is complete, or kept if it is `new`.
+
+    Raises
+    ------
+    DatabaseError
+        If it cannot be written, or would go over another.
+    """
 
     def fill(file: h5py.File) -> None:
         file["times"] = trajectory.times
@@ -141,7 +147,7 @@ def write_trajectory(path: Path, trajectory: Trajectory) -> Path:
         file.attrs["parameters"] = json.dumps(dict(trajectory.parameters))
         file.attrs["status"] = trajectory.status
 
-    return _written(path, TRAJECTORY, trajectory.system, trajectory.header, fill)
+    return _written(path, TRAJECTORY, trajectory.system, trajectory.header, fill, new)
 
 
 def read_trajectory(path: str | Path) -> Trajectory:
@@ -290,22 +296,28 @@ def _basin(file: h5py.File) -> dict[str, Any]:
 
 
 def _written(
-    path: Path, form: str, system: str, header: Mapping[str, Any], fill: Callable[[h5py.File], None]
+    path: Path,
+    form: str,
+    system: str,
+    header: Mapping[str, Any],
+    fill: Callable[[h5py.File], None],
+    new: bool = False,
 ) -> Path:
     """A whole file beside the old one, then in its place."""
-    temporary = path.with_name(f".{path.name}.writing")
-    with failures_of(path, "create"):
-        try:
-            with h5py.File(temporary, "w") as file:
+
+    def opened(name: Path) -> h5py.File:
+        return h5py.File(name, "x", locking=False)  # its own lock would be in the way of the draft's
+
+    with creating(path):
+        with drafted(path, opened, new) as draft:
+            with draft.file as file:
                 file.attrs["format"] = form
                 file.attrs["schema_version"] = VERSION
                 file.attrs["system"] = system
                 file.attrs["header"] = json.dumps(dict(header))
                 fill(file)
-            append_seal(temporary)
-            os.replace(temporary, path)
-        finally:
-            temporary.unlink(missing_ok=True)
+            append_seal(draft.path)
+        draft.lock.release()
     return path
 
 

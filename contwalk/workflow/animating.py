@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.errors import ContwalkError
+from contwalk.storage.failures import refuse_existing
 from contwalk.system import System
 
 AMPLITUDE = 0.3  # of the displacement by a mode, in half the range of each state
@@ -89,10 +89,7 @@ def animate(
     from contwalk.workflow.stored.orbits import orbit_at, titled
 
     suffix = checked_suffix(path)
-    if path.exists() and not force:
-        raise ContwalkError(f"{path} exists.", "Name another file, or replace it with --force.")
-    if not path.parent.is_dir():
-        raise ContwalkError(f"The folder {path.parent} does not exist.", "Make it, or name another one.")
+    refuse_existing([path], force)
     require_draw(system)
     orbit = orbit_at(system, branch, point)
     rate = played_fps(suffix, fps)

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
-from contwalk.storage.failures import failures_of
+from contwalk.storage.csv_files import write_csv
 from contwalk.workflow.basin import BasinResult
 from contwalk.workflow.run_file.margins import MarginsFile
 
 
 def write_basin_table(basin: BasinResult, path: Path) -> None:
     """A line for each point, all digits kept."""
-    with failures_of(path, "create"), path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow((*basin.states, "reaches"))
-        for place, label in zip(basin.places.tolist(), basin.labels, strict=True):
-            writer.writerow((*place, label))
+    rows = zip(basin.places.tolist(), basin.labels, strict=True)
+    write_csv(path, (*basin.states, "reaches"), ((*place, label) for place, label in rows))
 
 
 def drawn_basin(run: MarginsFile, basin: BasinResult, path: Path) -> Path:

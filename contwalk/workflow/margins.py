@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from contwalk.numerics.threads import one_thread
-from contwalk.storage.failures import failures_of
+from contwalk.storage.csv_files import write_csv
 from contwalk.storage.journal import Journal, check_still_new, check_stopped, going_on_from
 from contwalk.storage.trajectory import Margins, write_margins
 from contwalk.studies.margins.solution import Solution
@@ -218,10 +217,7 @@ COLUMNS = (
 
 def _write_table(rows: Sequence[dict[str, Any]], path: Path) -> None:
     """A line for each ray, all digits kept."""
-    with failures_of(path, "create"), path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(_cells(rows))
+    write_csv(path, COLUMNS, _cells(rows))
 
 
 def _cells(rows: Sequence[dict[str, Any]]) -> Iterator[list[object]]:
@@ -229,7 +225,7 @@ def _cells(rows: Sequence[dict[str, Any]]) -> Iterator[list[object]]:
         given = {
             **row,
             "border": "" if row["border"] is None else row["border"],
-            "several": "true" if row["several"] else "false",
+            "several": bool(row["several"]),
             "borders": " ".join(repr(border) for border in row["borders"]),
         }
         yield [given[name] for name in COLUMNS]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ import numpy as np
 
 from contwalk.flow.ensemble.sampling import BATCH, Measured
 from contwalk.numerics.threads import one_thread
-from contwalk.storage.failures import failures_of
+from contwalk.storage.csv_files import write_csv
 from contwalk.storage.journal import Journal, check_still_new, check_stopped, going_on_from
 from contwalk.workflow.kept_motions import KeptMotions
 from contwalk.workflow.machine import made_elsewhere, versions_and_processor
@@ -247,13 +246,8 @@ def _write_table(samples: Samples, path: Path) -> None:
     """A line for each sample, all digits kept."""
     names = (*samples.drawn, samples.measured, "crossed", "settled", "ended")
     columns = (samples.values, samples.crossed, samples.settled, samples.ends)
-    with failures_of(path, "create"), path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["sample", *names])
-        rows = zip(samples.draws.tolist(), *(column.tolist() for column in columns), strict=True)
-        for index, (drawn, value, crossed, settled, end) in enumerate(rows):
-            words = ["true" if flag else "false" for flag in (crossed, settled)]
-            writer.writerow([index, *drawn, value, *words, end])
+    rows = zip(range(len(samples.draws)), samples.draws.tolist(), *(c.tolist() for c in columns), strict=True)
+    write_csv(path, ["sample", *names], ([number, *drawn, *rest] for number, drawn, *rest in rows))
 
 
 def _draw(run: SampleFile, samples: Samples, summary: Summary, path: Path) -> None:

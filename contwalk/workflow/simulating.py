@@ -12,7 +12,7 @@ import numpy as np
 from contwalk.errors import ContwalkError, NotFinite
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.equilibrium.declared import named_equilibria
-from contwalk.storage.failures import failures_of
+from contwalk.storage.csv_files import write_csv
 from contwalk.system.falling import FALLEN
 from contwalk.workflow.made_with import made_with
 from contwalk.workflow.quantities import listed, values_along
@@ -87,7 +87,7 @@ def simulate(
     refuse_existing([database, *tables, *(path for _, path in names)], force)
     motion = moved(run, progress)
     trajectory = _trajectory(run, motion)
-    write_trajectory(database, trajectory)
+    write_trajectory(database, trajectory, new=not force)
     _write_tables(trajectory, tables)
     fine = trajectory
     if motion.drawn is not None:
@@ -264,8 +264,6 @@ def _machine(run: SimulationFile, parameters: Mapping[str, float]) -> Any:
 
 def _write_tables(trajectory: Any, paths: list[Path]) -> None:
     """The instants and the events as CSV, all digits kept."""
-    import csv
-
     motion, events = paths
     names, modes = trajectory.states, trajectory.mode_names
     instants = zip(
@@ -298,10 +296,7 @@ def _write_tables(trajectory: Any, paths: list[Path]) -> None:
         ],
     )
     for path, head, lines in zip((motion, events), heads, (rows, event_rows), strict=True):
-        with failures_of(path, "create"), path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(head)
-            writer.writerows(lines)
+        write_csv(path, head, lines)
 
 
 def _figure_file(run: SimulationFile, number: int) -> str:

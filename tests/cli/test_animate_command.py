@@ -133,7 +133,7 @@ def test_a_file_that_exists_is_replaced_only_with_force(contwalk, wheel, folder)
     given = ("animate", "--trust", wheel, "b1/0", "-o", "gait.gif", "--fps", "2")
     done = contwalk(*given)
     assert done.code == 2
-    assert done.err == "error: gait.gif exists. Name another file, or replace it with --force.\n"
+    assert done.err == "error: gait.gif exists. Replace it with --force, or choose another output.\n"
     assert (folder / "gait.gif").read_bytes() == b"mine"
     assert contwalk(*given, "--force").code == 0
     assert frames(folder / "gait.gif") == 2
@@ -147,7 +147,7 @@ def test_a_file_that_exists_is_replaced_only_with_force(contwalk, wheel, folder)
         ("b2/1000", ("-o", "a.gif"), "Its points are 0 to"),
         ("b9/1", ("-o", "a.gif"), "has no branch 'b9'"),
         ("b2/5", ("-o", "a.avi"), "the format .avi is not known. Allowed: .gif, .mp4, .html."),
-        ("b2/5", ("-o", "nowhere/a.gif"), "The folder nowhere does not exist."),
+        ("b2/5", ("-o", "nowhere/a.gif"), "the directory nowhere does not exist."),
         ("b2/5", ("-o", "a.gif", "--slow", "1000"), "frames, more than 5000. Play fewer periods"),
         ("b2/5", ("-o", "a.gif", "--periods", "0"), "--periods"),
         ("b2/5", ("-o", "a.gif", "--fps", "0"), "--fps"),

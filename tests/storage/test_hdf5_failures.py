@@ -62,20 +62,6 @@ def test_of_two_that_create_a_file_at_once_one_is_refused(tmp_path, header, monk
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_new_file_goes_over_no_other_where_there_are_no_links(tmp_path, monkeypatch):
-    def refused(*given):
-        raise PermissionError(errno.EPERM, "no links")
-
-    monkeypatch.setattr(os, "link", refused)
-    draft, target = tmp_path / "draft", tmp_path / "target"
-    draft.write_text("one")
-    failures.put_in_place(draft, target, new=True)
-    draft.write_text("two")
-    with pytest.raises(failures.AlreadyThereError):
-        failures.put_in_place(draft, target, new=True)
-    assert target.read_text() == "one"
-
-
 def test_missing_directory(tmp_path, header):
     with pytest.raises(DatabaseError, match="does not exist"):
         open_database(tmp_path / "no" / "run.h5")

@@ -43,6 +43,19 @@ def test_what_was_being_written_when_killed_is_dropped_and_what_came_before_is_k
         assert path.read_bytes() == whole
 
 
+@pytest.mark.parametrize("there", [True, False])
+def test_a_journal_is_no_link_to_another_file(tmp_path, there):
+    victim, path = tmp_path / "victim", tmp_path / "j"
+    if there:
+        victim.write_text("mine")
+    path.symlink_to(victim)
+    for resume in (False, True):
+        with pytest.raises(DatabaseError, match=r"j is a link.*Remove it"):
+            Journal(path, STUDY, resume=resume)
+    assert victim.exists() == there
+    assert not there or victim.read_text() == "mine"
+
+
 def test_all_who_made_results_are_told(tmp_path):
     path = tmp_path / "j"
     for made in ({"processor": "one"}, {"processor": "another"}, {"processor": "one"}):

@@ -69,6 +69,14 @@ def test_a_motion_is_read_back_as_it_was_written(tmp_path, events):
     assert [p.name for p in tmp_path.iterdir()] == ["t.h5"]
 
 
+def test_of_two_motions_that_are_written_at_once_the_first_is_kept(tmp_path):
+    path = write_trajectory(tmp_path / "t.h5", trajectory(), new=True)
+    with pytest.raises(DatabaseError, match=r"t\.h5 exists.*--force"):
+        write_trajectory(path, trajectory(0), new=True)
+    same(read_trajectory(path), trajectory())
+    assert [p.name for p in tmp_path.iterdir()] == ["t.h5"]
+
+
 def test_samples_are_read_back_as_they_were_written(tmp_path):
     same(read_samples(write_samples(tmp_path / "s.h5", samples())), samples())
 

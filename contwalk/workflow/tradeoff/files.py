@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Iterator
 from pathlib import Path
 
-from contwalk.storage.failures import check_writable, failures_of, refuse_existing
+from contwalk.storage.csv_files import write_csv
+from contwalk.storage.failures import check_writable, refuse_existing
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.tradeoff.trials import MODELS, Tradeoff, Trial
 
@@ -29,19 +30,20 @@ def write(output: Path, found: Tradeoff, figure: bool = True) -> list[Path]:
     head = [found.kind.asked, "method", "model", "cpu_seconds", "cpu_spread", "runs"]
     head += ["rhs" if found.kind.work == "right-hand sides" else "simulations"]
     head += ["worst_error", "promise_held", "found", "missing", "extra"]
-    with failures_of(table, "create"), table.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow([*head, *[f"error {name}" for name in names]])
-        for t in found.trials:
-            row = [repr(t.setting.accuracy), t.setting.method, t.setting.model]
-            row += [f"{t.seconds:.4f}", f"{t.spread:.4f}", str(len(t.times)), str(t.work), f"{t.worst:.3e}"]
-            row += [str(found.held(t)), str(t.found), " ".join(t.missing), " ".join(t.extra)]
-            writer.writerow([*row, *[f"{t.errors[name]:.3e}" for name in names]])
+    write_csv(table, [*head, *[f"error {name}" for name in names]], _rows(found, names))
     timed = [trial for trial in found.trials if trial.seconds > 0.0]
     if not figure or not timed:
         return [table]
     _draw(found, timed, picture)
     return [table, picture]
+
+
+def _rows(found: Tradeoff, names: list[str]) -> Iterator[list[str]]:
+    for t in found.trials:
+        row = [repr(t.setting.accuracy), t.setting.method, t.setting.model]
+        row += [f"{t.seconds:.4f}", f"{t.spread:.4f}", str(len(t.times)), str(t.work), f"{t.worst:.3e}"]
+        row += [str(found.held(t)), str(t.found), " ".join(t.missing), " ".join(t.extra)]
+        yield [*row, *[f"{t.errors[name]:.3e}" for name in names]]
 
 
 def _draw(found: Tradeoff, timed: list[Trial], picture: Path) -> None:

@@ -24,6 +24,10 @@ class Lock:
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
 
+    def synchronise(self) -> None:
+        """Have on the disk what the operating system has been given of the file."""
+        os.fsync(self._descriptor)
+
     def release(self) -> None:
         """Give the lock back. Twice is allowed."""
         if self._descriptor >= 0:
@@ -43,7 +47,7 @@ def lock(path: Path) -> Lock:
         if attempt:
             time.sleep(WAIT)
         descriptor = _opened(path)
-        if _taken(descriptor) and _is_still(path, descriptor):
+        if _taken(descriptor) is not False and _is_still(path, descriptor):
             return Lock(descriptor)
         os.close(descriptor)
     raise DatabaseError(
@@ -57,10 +61,20 @@ def is_locked(path: Path) -> bool:
     with suppress(OSError):
         descriptor = os.open(path, os.O_RDONLY)
         try:
-            return not _taken(descriptor)
+            return _taken(descriptor) is False
         finally:
             os.close(descriptor)
     return False
+
+
+def lock_of_nobody(path: Path) -> Lock | None:
+    """The lock of a file that certainly nobody else has locked; None where that cannot be told."""
+    with suppress(OSError):
+        descriptor = os.open(path, os.O_RDWR)
+        if _taken(descriptor) and _is_still(path, descriptor):
+            return Lock(descriptor)
+        os.close(descriptor)
+    return None
 
 
 def _opened(path: Path) -> int:
@@ -70,15 +84,16 @@ def _opened(path: Path) -> int:
         return os.open(path, os.O_RDONLY)
 
 
-def _taken(descriptor: int) -> bool:
+def _taken(descriptor: int) -> bool | None:
+    """Whether the lock is this process's now; None where there are no locks."""
     if fcntl is None:
-        return True
+        return None
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
     except OSError:  # a file system without locks
-        return True
+        return None
     return True
 
 

@@ -1,0 +1,1 @@
+"""How files are written: beside what there is, locked, and put in its place when they are whole."""
