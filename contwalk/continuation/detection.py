@@ -44,7 +44,7 @@ from contwalk.continuation.locating import (
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.singularity import singularity
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.problem import Sample, Test
 
 # How far from a point its two sides are looked at, in parts of the segment.
 BESIDE = 1e-3
@@ -193,13 +193,12 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
     At a fold or a simple branch point one real eigenvalue passes zero, or none: a pitchfork met along the
     branch that turns there leaves the count; so does a fold whose singular direction is a pinned one.
     """
-    if "multiplicity" in found.located.vectors:
-        many = int(found.located.vectors["multiplicity"])
+    if (many := found.located.multiplicity) > 1:
         return tuple(range(-many, many + 1))
     if found.type.test is Test.TURN and not segment.problem.meshed and len(counts_at(found.sample)) == 1:
         return (0,)
     # Of a fold that is not told apart its own eigenvalue passes with the other one.
-    return (-2, -1, 0, 1, 2) if "turns" in found.located.vectors else found.type.changes
+    return (-2, -1, 0, 1, 2) if found.located.turns else found.type.changes
 
 
 def _branch_points(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:
@@ -221,7 +220,7 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
         raise Disagreement(kind, "The orientation changes, but no branch point is found.")
     if abs(q.unstable - p.unstable) > 1 and kinds_of_test(segment.problem, Test.TOGETHER):
         several = locate_multiple(segment, found.theta)
-        if several is not None and int(several.located.vectors["multiplicity"]) % 2:
+        if several is not None and several.located.multiplicity % 2:
             return [several]
     return [found]
 
@@ -231,7 +230,7 @@ def _together(segment: Segment, low: float, high: float) -> list[Found]:
     if not kinds_of_test(segment.problem, Test.TOGETHER):
         return []
     found = _measure_crossings(segment, low, high, [])
-    return [point for point in found if "multiplicity" in point.located.vectors]
+    return [point for point in found if point.located.multiplicity > 1]
 
 
 def _with_folds(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:
@@ -271,12 +270,12 @@ def _with_its_fold(segment: Segment, low: float, high: float, point: Found) -> l
         fold = accepted(segment, turning, side, 0, low, high)
         if fold is not None and _turns_along(fold, side):
             return [point, fold]
-    return [replace(point, located=_with(point.located, turns=True))]
+    return [replace(point, located=replace(point.located, turns=True))]
 
 
 def _turns_along(fold: Found, near: Sample) -> bool:
     """Whether a fold's critical vector is the tangent; that of the branch point solves its equations too."""
-    vector = fold.located.vectors.get("right")
+    vector = fold.located.critical
     if vector is None:
         return True
     along = near.tangent[: len(vector)]
@@ -326,7 +325,7 @@ def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found | N
 
 def _same_pair(found: Found, which: int) -> bool:
     """Whether measure `which` belongs to the pair that was found: pairs are neighbours in the order."""
-    return abs(which - int(found.located.vectors.get("which", -10))) == 1
+    return found.located.which in (which - 1, which + 1)
 
 
 def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> Found | float:
@@ -359,7 +358,7 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
     else:
         found = narrow(value, low, high, v0, v1, attempt)
     if isinstance(found, Found):
-        return replace(found, located=_with(found.located, which=which))
+        return replace(found, located=replace(found.located, which=which))
     if found is not None:
         return found
     kind = crossed(segment.problem, segment.at(high if abs(v1) < abs(v0) else low), which)
@@ -372,10 +371,6 @@ def _passes_at(sample: Sample, which: int) -> bool:
     known = np.maximum(sample.errors, sample.spectrum_error or 0.0)
     sizes = np.abs(sample.beyond(sample.eigenvalues))
     return bool(sizes[which] - known[which] <= np.min(sizes + known))
-
-
-def _with(located: Located, **vectors: object) -> Located:
-    return replace(located, vectors={**located.vectors, **vectors})
 
 
 def _counted(segment: Segment, found: list[Found], seen: list[int]) -> list[Found]:

@@ -58,8 +58,8 @@ def end_ahead(
     """
     for kind in problem.point_types:
         try:
-            located = kind.ends_ahead(problem, a)
-            found = None if located is None else _leads_to(problem, kind, located, a, length)
+            ahead = kind.ends_ahead(problem, a)
+            found = None if ahead is None else _leads_to(problem, kind, *ahead, a, length)
         except (*outcomes.BREAKDOWNS, LostBranch):
             continue
         if found is not None:
@@ -68,9 +68,9 @@ def end_ahead(
 
 
 def _leads_to(
-    problem: Problem, kind: PointType, located: Located, a: Sample, length: float
+    problem: Problem, kind: PointType, located: Located, end: Outcome, a: Sample, length: float
 ) -> tuple[Segment, Found] | None:
-    """The piece of a curve up to a point of a kind, if it leads there."""
+    """The piece of a curve up to a point of a kind at which it ends, if it leads there."""
     way = located.z - a.z
     far = norm_in(way, a.weights)
     if not 0.0 < far < AHEAD * length or a.tangent @ (way / a.weights**2) < ALONG * far:
@@ -80,7 +80,8 @@ def _leads_to(
         return None
     known = float(located.error / a.weights[-1])
     there = there.varied(orientation=a.orientation, error=known if np.isfinite(known) else a.error)
-    return Segment(problem, a, there), Found(1.0, kind, located, there, a.unstable, a.unstable, counted=True)
+    found = Found(1.0, kind, located, there, a.unstable, a.unstable, counted=True, end=end)
+    return Segment(problem, a, there), found
 
 
 def up_to_end(segment: Segment) -> Segment | None:

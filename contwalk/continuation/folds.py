@@ -23,7 +23,6 @@ from contwalk.continuation.locating import (
 )
 from contwalk.continuation.segment import Segment
 from contwalk.numerics.bracketing import zero_of
-from contwalk.problems.located import TURNED
 from contwalk.problems.problem import Located, PointType, Sample, Test
 
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
@@ -247,8 +246,7 @@ def at_the_turn(segment: Segment, which: int) -> list[Found]:
     doubling = next((crossed(segment.problem, end, which) for end in ends), None)
     if doubling is None:
         return [counted]
-    beside = Located(fold.located.z, fold.located.error, {"note": BESIDE_THE_FOLD}, refined=False)
-    return [counted, replace(counted, type=doubling, located=beside, kind="unlocated")]
+    return [counted, replace(counted, type=doubling, kind="unlocated", note=BESIDE_THE_FOLD)]
 
 
 def _turned(segment: Segment, kind: PointType) -> Found | None:
@@ -272,5 +270,4 @@ def _turned(segment: Segment, kind: PointType) -> Found | None:
     if not min(rises) > KNOWN * (rounding + segment.length * known):
         return None
     error = max(known, float(np.spacing(abs(sample.parameter))))
-    located = Located(sample.z, error, {TURNED: True}, problem=segment.problem)
-    return Found(theta, kind, located, sample)
+    return Found(theta, kind, Located(sample.z, error, problem=segment.problem), sample, turned=True)

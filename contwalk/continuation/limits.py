@@ -25,14 +25,11 @@ from contwalk.continuation.locating import (
 )
 from contwalk.continuation.segment import LostBranch, Placed, Segment, dip_between, looked_for
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.located import CROSSING
 from contwalk.problems.problem import Limit, Located, Problem, Sample
 
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
 BORN, ROUNDED = 1e-7, 1e-10
-# What tells that a limit is passed from beyond, among the vectors of its point.
-ENTERED = "entered"
 # Across a bracket this narrow a margin that still changes by this part of what it is jumps; so does one that
 # changes by this much across the narrowest.
 NARROW, JUMPS = 1e-3, 0.05
@@ -66,9 +63,9 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
         behind = Subsegment(segment.since(place), (place, 1.0))
         points = [before.placed(point) for point in passed(before.part, begins)]
         points += [behind.placed(point) for point in passed(behind.part, begins=False)]
-        pair = [point for point in points if point.located.vectors["limit"] == which]
+        pair = [point for point in points if point.located.limit == which]
         if len(pair) == 2 and not _apart(*pair):
-            points = [point for point in points if point.located.vectors["limit"] != which]
+            points = [point for point in points if point.located.limit != which]
             points.append(_undecided(segment, which, place))
         return points + doubtful
     limited, a, b = segment.problem.limited, segment.a, segment.b
@@ -95,12 +92,10 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
             continue
         if point is not None and not any(point is known for known in found):
             # What its equations have found it to be may be another limit than the one that led to it.
-            other = limited.limits[int(point.located.vectors["limit"])]
-            found.append(
-                replace(point, type=other.type, located=_with_way(point.located, other, first, last))
-            )
+            own = point.located.among(limited.limits).type
+            found.append(replace(point, type=own, entered=own.entered and first < 0.0 < last))
     for which, reason in lost.items():  # told by the leg that vanishes where they pass zero
-        if not any(which in point.located.vectors.get("vanishing", ()) for point in found):
+        if not any(which in point.located.vanishing for point in found):
             raise reason
     # Beside one that is located, within errors of the solutions there, it is that one.
     places, apart = np.array([f.theta for f in found]), WELL_BEYOND / segment.length
@@ -121,15 +116,7 @@ def _undecided(segment: Segment, which: int, place: float) -> Found:
         return bool(abs(sample.margins[which]) > max(ROUNDED, known_to(segment)))
 
     point = undecided(segment, limits_of(segment.problem)[which].type, place, known)
-    vectors = {**point.located.vectors, "limit": which, ENTERED: True}
-    return replace(point, located=replace(point.located, vectors=vectors))
-
-
-def _with_way(located: Located, limit: Limit, first: float, last: float) -> Located:
-    """A located limit that says whether it is passed from beyond, where that makes a difference."""
-    if not (limit.type.entered and first < 0.0 < last):
-        return located
-    return replace(located, vectors={**located.vectors, ENTERED: True})
+    return replace(point, located=replace(point.located, limit=which), entered=True)
 
 
 def _changed(a: np.ndarray, b: np.ndarray, begins: bool) -> list[int]:
@@ -198,10 +185,7 @@ def _located(
     def known(located: Located, theta: float) -> Found | None:
         same = [f for f in earlier if abs(f.theta - theta) < SAME_PLACE]
         alike = (
-            f
-            for f in same
-            if which in f.located.vectors.get("vanishing", ())
-            or _alike(limits[int(f.located.vectors["limit"])], limits[which])
+            f for f in same if which in f.located.vanishing or _alike(f.located.among(limits), limits[which])
         )
         return next(alike, None)
 
@@ -252,21 +236,21 @@ def limits_of(problem: Problem) -> Sequence[Limit]:
     return () if problem.limited is None else problem.limited.limits
 
 
-def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str:
+def policy(problem: Problem, found: Found, events: Mapping[str, str]) -> str:
     """What is to be done at a limit: `stop`, `ignore` or `switch`.
 
     A watched transition does nothing, so there is nothing to switch to. A terminal grazing cannot be ignored:
     beyond it the orbit's own event happens earlier, and no orbit of this itinerary is the machine's.
     """
-    if ENTERED in located.vectors:
+    if found.entered:
         return "ignore"
-    limit = limits_of(problem)[int(located.vectors["limit"])]
+    limit = found.located.among(limits_of(problem))
     asked = events.get(limit.type.like or limit.type.label, "ignore")
     if limit.type.declared:
         return asked
     if asked == "switch" and not limit.acts:
         return "ignore"
-    return "stop" if asked == "ignore" and final(limit, located) else asked
+    return "stop" if asked == "ignore" and final(limit, found.located) else asked
 
 
 def final(limit: Limit, located: Located) -> bool:
@@ -274,17 +258,17 @@ def final(limit: Limit, located: Located) -> bool:
 
     Where it has become one with what touches, another curve of such orbits crosses.
     """
-    return limit.kind == "terminal" or CROSSING in located.vectors
+    return limit.kind == "terminal" or located.crossing is not None
 
 
 def stopping(problem: Problem, found: list[Found], events: Mapping[str, str]) -> Found | None:
     """The first of the limits passed at which the branch ends; of those at one place that of lowest rank."""
-    ends = [point for point in found if policy(problem, point.located, events) != "ignore"]
+    ends = [point for point in found if policy(problem, point, events) != "ignore"]
     if not ends:
         return None
     first = min(point.theta for point in ends)
     together = [point for point in ends if point.theta <= first + SAME_PLACE]
-    return min(together, key=lambda point: limits_of(problem)[int(point.located.vectors["limit"])].rank)
+    return min(together, key=lambda point: point.located.among(limits_of(problem)).rank)
 
 
 def up_to(problem: Problem, found: list[Found], end: Found, events: Mapping[str, str]) -> list[Found]:
@@ -293,7 +277,7 @@ def up_to(problem: Problem, found: list[Found], end: Found, events: Mapping[str,
     Where a leg vanishes a watched guard may be at its limit as well: on which side of the end it is found is
     rounding, and it is told there.
     """
-    ignored = [p for p in found if policy(problem, p.located, events) == "ignore"]
+    ignored = [p for p in found if policy(problem, p, events) == "ignore"]
     before = [p for p in ignored if p.theta <= end.theta + SAME_PLACE]
     return [*(replace(p, theta=min(p.theta, end.theta)) for p in before), end]
 

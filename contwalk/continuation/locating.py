@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.branch import Outcome
 from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
@@ -47,6 +48,9 @@ class Found:
     counted: bool = False  # the counts are known already
     mark: tuple[str, float | None] | None = None  # what has which marked value there; None: an extremum
     note: str = ""  # what else is to be told of it
+    turned: bool = False  # the parameter's own turn tells a fold, and multipliers do not
+    entered: bool = False  # a limit is passed from beyond
+    end: Outcome | None = None  # how the branch ends there, where its kind says so
 
     @property
     def label(self) -> str:
@@ -58,8 +62,7 @@ def unlocated(
     theta: float, kind: PointType, sample: Sample, width: float, note: str, **further: Any
 ) -> Found:
     """What is detected at a solution and cannot be located, with the parameter known to a width."""
-    located = Located(sample.z, width, {"note": note}, refined=False)
-    return Found(theta, kind, located, sample, kind="unlocated", **further)
+    return Found(theta, kind, Located(sample.z, width), sample, kind="unlocated", note=note, **further)
 
 
 class Disagreement(Exception):
@@ -251,7 +254,7 @@ def located_along(segment: Segment, kind: PointType, low: float, high: float, wh
     blur = max(_blur(kind, part, part.at(end)) for end in ends) / max(abs(slope), 1e-300) + NARROW
     known = blur * abs(float(part.chord[-1])) + sample.error * float(sample.weights[-1])
     error = max(known, float(np.spacing(abs(sample.parameter))))
-    located = Located(sample.z, error, {"which": which}, problem=part.problem)
+    located: Located = Located(sample.z, error, problem=part.problem, which=which)
     return around.placed(Found(position, kind, located, sample))
 
 

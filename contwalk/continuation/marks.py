@@ -177,7 +177,7 @@ def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | Non
         if not correction.ok:
             return None
         z = np.append(correction.z[:-1], value)
-        return Located(z, float(np.spacing(abs(value))), {}, refined=True, problem=correction.problem)
+        return Located(z, float(np.spacing(abs(value))), refined=True, problem=correction.problem)
 
     found = solved(segment.problem, guess)
     if found is None:
@@ -224,7 +224,7 @@ def _extrema(segment: Segment, name: str, low: float, high: float, observer: Obs
     if finer is not None:
         error = max(error, FINER * abs(finer.parameter - sample.parameter))
         sample = finer
-    point = Located(sample.z, error, {}, certain)
+    point: Located = Located(sample.z, error, refined=certain)
     kind = kind_of_test(segment.problem, Test.MARK)
     return [Found(theta, kind, point, sample, kind="extremum", mark=(name, None))]
 

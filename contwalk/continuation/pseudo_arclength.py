@@ -259,7 +259,7 @@ def _known(found: Found, side: Sample) -> bool:
 
     At a bifurcation that is located an eigenvalue, or a pair of them, is critical, and known to be.
     """
-    many = int(found.located.vectors.get("multiplicity", 1)) if any(found.type.changes) else 0
+    many = found.located.multiplicity if any(found.type.changes) else 0
     located = found.kind != "unlocated" and found.sample.undecided <= 2 * many
     return located or not side.undecided
 
@@ -288,19 +288,18 @@ def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settin
     """
     limited = problem.limited
     if limited is not None and found.kind != "unlocated" and isinstance(found.type, LimitType):
-        asked = limits.policy(problem, found.located, settings.events)
+        asked = limits.policy(problem, found, settings.events)
         if asked == "ignore":
             return None
         words = limited.stopped(found.located, found.sample)
         if asked == "switch":
             words = f"{words} {limited.neighbours(record)[1]}"
-        final = limits.final(limited.limits[int(found.located.vectors["limit"])], found.located)
+        final = limits.final(found.located.among(limited.limits), found.located)
         return outcomes.limit(found.type, final, asked, words)
-    if found.located.vectors.get("returned_to_parent"):
+    if found.located.returned_to_parent:
         return outcomes.returned_to_parent()
-    if "end" in found.located.vectors:
-        ended: Outcome = found.located.vectors["end"]
-        return ended
+    if found.end is not None:
+        return found.end
     if found.type.saddles and settings.neutral_saddles == "stop":
         return outcomes.neutral_saddles()
     if found.mark is None:

@@ -12,7 +12,6 @@ from contwalk.continuation.locating import SAME_POINT, Found
 from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite
 from contwalk.numerics.linear import norm_in
-from contwalk.problems.located import TURNED
 from contwalk.problems.problem import Located, Problem, Sample, Test
 
 
@@ -29,9 +28,8 @@ def found_record(
     before, after = counts if sign > 0 else counts[::-1]
     if found.kind == "unlocated":
         record = kind_of_test(problem, Test.MARK).describe(problem, found.located, found.sample, s)
-        note = str(found.located.vectors["note"])
         # Nothing tells how far it is from the sample that stands for it: the parameter may have turned.
-        record = replace(record, label=found.label, status="unlocated", error=None, errors={}, note=note)
+        record = replace(record, label=found.label, status="unlocated", error=None, errors={}, note=None)
     else:
         record = _described(problem, found, s)
         if found.kind is not None:
@@ -50,7 +48,7 @@ def found_record(
 
 def _described(problem: Problem, found: Found, s: float) -> SpecialPoint:
     """The record of a located point; where its normal form cannot be computed, it is a point without one."""
-    if TURNED in found.located.vectors:
+    if found.turned:
         note = "located where the parameter turns: multipliers are not known to one there"
     else:
         try:
@@ -79,9 +77,9 @@ def end_record(
     range, the parameter `bound` with its value, it is located; elsewhere nothing tells its errors.
     """
     error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(state.sample.parameter)))
-    located, known = Located(state.sample.z, error), problem.line.second is None
-    if not known and bound is not None and (met := _at_bound(problem, state.sample, *bound)) is not None:
-        located, known = met, True
+    known = problem.line.second is None
+    met = None if known or bound is None else _at_bound(problem, state.sample, *bound)
+    located, known = met or Located(state.sample.z, error), known or met is not None
     record = kind_of_test(problem, Test.END).describe(problem, located, state.sample, state.s)
     if point is not None:
         record = replace(
@@ -123,7 +121,7 @@ def start_record(
     problem: Problem, state: ContinuationState, kind: str, mark: tuple[str, float | None], error: float
 ) -> SpecialPoint:
     """The record of a mark, name and value, that the start of a branch has; the parameter's `error`."""
-    located = Located(state.sample.z, error)
+    located: Located = Located(state.sample.z, error)
     record = kind_of_test(problem, Test.MARK).describe(problem, located, state.sample, state.s)
     count = _count(state.sample)
     marked = {"name": mark[0], "value": mark[1]}

@@ -50,8 +50,7 @@ def back_at_parent(
             return None
         located = kind.locate(problem, a, 0)
         settled = None if located is None or not _ahead(a, located.z, length) else located.settled()
-        back = settled is not None and settled.vectors.get("returned_to_parent")
-        if settled is None or not back or not _ahead(a, settled.z, length):
+        if settled is None or not (settled.returned_to_parent and _ahead(a, settled.z, length)):
             return None
         chord = Segment(problem, a, a.varied(z=settled.z))
         there = sample_at(chord, kind, settled, a).varied(unstable=a.unstable)

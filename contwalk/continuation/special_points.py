@@ -12,7 +12,6 @@ from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.zeros_of_test_functions import zeros_of_test_functions
 from contwalk.numerics.linear import norm_in
-from contwalk.problems.located import CROSSING
 from contwalk.problems.problem import Problem, Sample, Test
 
 # A mark this near to a bifurcation, in parts of the step, is at the same place.
@@ -42,7 +41,7 @@ def _seen_by(found: Found, zeros: Sequence[Found], segment: Segment) -> bool:
     """Whether a place where another curve crosses is one that a test function has told as such."""
     if found.type.test is not Test.ORIENTATION:
         return False
-    crossings = (zero.located for zero in zeros if CROSSING in zero.located.vectors)
+    crossings = (zero.located for zero in zeros if zero.located.crossing is not None)
     return any(norm_in(found.located.z - there.z, segment.weights) < SAME_POINT for there in crossings)
 
 
@@ -54,7 +53,7 @@ def everything_before(
     Solutions right beside a leg that vanishes are not to be found, and where another curve crosses they are
     hardly known: there it is looked for a little less far, which the limit is told with.
     """
-    crossed, vanishing = (key in end.located.vectors for key in (CROSSING, "vanishing"))
+    crossed, vanishing = end.located.crossing is not None, bool(end.located.vanishing)
     nearer = (*(() if crossed else (BEFORE_LIMIT,)), *(BEFORE_SINGULAR if crossed or vanishing else ()))
     for less in nearer:
         share = end.theta * (1.0 - less)
@@ -76,7 +75,7 @@ def everything_before(
 
 def _is_end(found: Found, end: Found, segment: Segment) -> bool:
     """Whether a branch point is one with orbits whose leg, which vanishes there, lasts no time all along."""
-    if found.type.test is not Test.ORIENTATION or "vanishing" not in end.located.vectors:
+    if found.type.test is not Test.ORIENTATION or not end.located.vanishing:
         return False
     return norm_in(found.located.z - end.located.z, segment.weights) < SAME_POINT
 

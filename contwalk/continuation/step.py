@@ -247,7 +247,7 @@ class _Search:
         if not (lost and attempted.smallest and self.seen is None and attempted.length < beyond):
             return step
         self.seen = lost[0]
-        return Refusal(Cause.UNDECIDED, self.seen.located.vectors["note"], instead=beyond)
+        return Refusal(Cause.UNDECIDED, self.seen.note, instead=beyond)
 
     def _regained(self, attempted: Attempt, refused: Refusal) -> Step | None:
         """The step to where the branch is its parent's again; None where that is not why one is refused.

@@ -19,7 +19,7 @@ from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
-from contwalk.branch import SpecialPoint
+from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.capabilities import Diagnosis, Equivalence, Mirror, Observed
 from contwalk.problems.linearization import Linearization
@@ -163,10 +163,9 @@ class PointType(KindOfPoint):
         """The eigenvalue that is critical at a stored point."""
         return complex(sample.critical)
 
-    def ends_ahead(self, problem: Any, sample: Sample) -> Located | None:
-        """The point ahead of a sample at which a curve ends and beside which its equations are singular.
-
-        Its vectors have the outcome, `end`. None where curves go on.
+    def ends_ahead(self, problem: Any, sample: Sample) -> tuple[Located, Outcome] | None:
+        """The point ahead of a sample at which a curve ends and beside which its equations are singular, and
+        how it ends; None where curves go on.
         """
         return None
 

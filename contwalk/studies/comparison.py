@@ -129,12 +129,11 @@ def _parameters_of(
     branch: Branch, point: SpecialPoint, found: Located, accuracy: float
 ) -> list[tuple[str, float, float, float, float]]:
     """Of each free parameter its name, what is stored and found, and the errors of both."""
-    errors = found.vectors.get("errors", {})
     rows = []
     for number, name in enumerate(branch.info.free):
         stored, value = float(point.unknowns[-1 - number]), float(found.z[-1 - number])
         claim = _claim(branch, point, accuracy) if number == 0 else float(point.errors[name])
-        rows.append((name, stored, value, claim, float(errors.get(name, found.error))))
+        rows.append((name, stored, value, claim, float(found.errors.get(name, found.error))))
     return rows
 
 

@@ -337,7 +337,7 @@ def _extremum(problem: Problem, sample: Sample, name: str) -> Located | None:
             break
     if not abs(moved) < ASIDE:
         return None
-    return Located(there.z, abs(moved * sample.tangent[-1]) + float(np.spacing(abs(there.z[-1]))), {})
+    return Located(there.z, abs(moved * sample.tangent[-1]) + float(np.spacing(abs(there.z[-1]))))
 
 
 def _tangent(linearization: Linearization, near: Sample) -> np.ndarray:

@@ -267,7 +267,7 @@ def test_a_real_eigenvalue_that_passes_zero_alone_is_a_disagreement():
 
 def test_two_real_eigenvalues_that_pass_together_are_one_point():
     """Their orientation does not change: a sign for each."""
-    located = at(0.0, 0.3, vectors={"multiplicity": 2})
+    located = at(0.0, 0.3, multiplicity=2)
     problem = line(
         lambda z: [z[1] - 0.3, 2.0 * (z[1] - 0.3)],
         special={"MULTIPLE": [located]},
@@ -280,14 +280,14 @@ def test_two_real_eigenvalues_that_are_zero_to_the_last_bit_where_they_are_looke
     """The secant through the ends meets them there at once, in a bracket that is no narrower for it."""
     problem = line(
         lambda z: [z[1] - 0.25, z[1] - 0.25],
-        special={"MULTIPLE": [at(0.0, 0.25, vectors={"multiplicity": 2})]},
+        special={"MULTIPLE": [at(0.0, 0.25, multiplicity=2)]},
         tangents={"MULTIPLE": np.array([0.0, 1.0])},
     )
     assert told(bifurcations(problem.segment((0.0, 0.0), (0.0, 1.0)))) == [("BP", 0, 2)]
 
 
 def test_two_real_eigenvalues_that_pass_one_after_the_other_are_not_one_point():
-    located = at(0.0, 0.3, vectors={"multiplicity": 2})
+    located = at(0.0, 0.3, multiplicity=2)
     problem = line(
         lambda z: [z[1] - 0.3, z[1] - 0.31],
         special={"MULTIPLE": [located]},

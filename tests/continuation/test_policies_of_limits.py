@@ -17,6 +17,10 @@ WATCHED = Limit("AZ", "middle", "middle", 0, "dip", acts=False)
 COMES_NEAR = Limit("GR", "interior", "middle", 0, "dip", acts=False)
 
 
+def found(which: int, theta: float) -> Found:
+    return Found(theta, "limit", at(0.0, 0.0, limit=which), None)
+
+
 @pytest.mark.parametrize(
     ("limit", "asked", "done"),
     [
@@ -36,15 +40,11 @@ COMES_NEAR = Limit("GR", "interior", "middle", 0, "dip", acts=False)
 def test_what_is_done_at_a_limit(limit, asked, done):
     problem = SimpleNamespace(limited=SimpleNamespace(limits=(TOUCHES, limit)))
     events = {} if asked is None else {limit.label: asked}
-    assert policy(problem, at(0.0, 0.0, vectors={"limit": 1}), events) == done
+    assert policy(problem, found(1, 0.0), events) == done
 
 
 VANISHES = Limit("OC", "order_change", "impact", 0, "duration")
 SWITCHES = {"OC": "switch", "GR": "stop", "AZ": "ignore"}
-
-
-def found(which: int, theta: float) -> Found:
-    return Found(theta, "limit", at(0.0, 0.0, vectors={"limit": which}), None)
 
 
 @pytest.mark.parametrize("rounding", [-1e-12, 0.0, 1e-12])
@@ -55,7 +55,7 @@ def test_what_is_at_its_limit_where_the_branch_ends_is_told_on_either_side_of_th
     end = stopping(problem, reached, SWITCHES)
     assert end is not None
     told = sorted(up_to(problem, reached, end, SWITCHES), key=lambda point: point.theta)
-    assert [point.located.vectors["limit"] for point in told] == [1, 0]
+    assert [point.located.limit for point in told] == [1, 0]
     assert told[-1] is end
     assert told[0].theta == min(0.5, 0.5 + rounding)
 
@@ -67,5 +67,5 @@ def test_of_two_ends_at_one_place_the_same_is_told_whichever_comes_first(roundin
     reached = sorted([found(0, 0.5), found(1, 0.5 + rounding)], key=lambda point: point.theta)
     end = stopping(problem, reached, SWITCHES)
     assert end is not None
-    assert limits[end.located.vectors["limit"]] is min(limits, key=lambda limit: limit.rank)
+    assert end.located.among(limits) is min(limits, key=lambda limit: limit.rank)
     assert up_to(problem, reached, end, SWITCHES) == [end]

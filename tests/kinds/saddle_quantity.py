@@ -77,16 +77,16 @@ class SaddleQuantity(EquilibriumPoint):
             return [*f, *first, dot(c, v) - 1, *second, dot(d, w) - 1]
 
         def described(found: Solution) -> Located:
-            vectors = {"eigenvalue": abs(float(found.values[-1]))}
-            return Located(found.values[: size + 1], float(found.errors[size]), vectors, found.refined)
+            modulus = abs(float(found.values[-1]))
+            return Located(found.values[: size + 1], float(found.errors[size]), modulus, found.refined)
 
         scale = np.concatenate([sample.weights, np.ones(2 * n), [abs(mu)]])
         start = np.concatenate([sample.z, v, w, [mu]])
         return solve(DefiningSystem(scale, residual, jacobian, exactly), start, described)
 
-    def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
+    def form(self, problem: EquilibriumEquations, located: Located[float], sample: Sample) -> Form:
         """The modulus of both eigenvalues."""
-        return None, None, {"eigenvalue": located.vectors["eigenvalue"]}, None
+        return None, None, {"eigenvalue": located.data}, None
 
 
 def _leading(eigenvalues: np.ndarray) -> tuple[float, float]:

@@ -69,7 +69,7 @@ def test_a_fold_is_known_to_the_last_bit():
     assert found.refined
     assert found.z == pytest.approx([1.0 / 3.0, 1.0 / 6.0, 0.0], abs=6e-17)
     assert found.error <= 1e-20
-    assert abs(found.vectors["right"] @ [1.0, -2.0]) <= 1e-15 * np.abs(found.vectors["right"]).max()
+    assert abs(found.critical @ [1.0, -2.0]) <= 1e-15 * np.abs(found.critical).max()
 
 
 def test_where_there_is_no_fold_none_is_found():
@@ -96,7 +96,7 @@ def test_a_branch_point_is_known_to_the_last_bit():
     found = branch_point(fork_problem(), sample_at(fork_problem(), 0.02, 0.01, -0.04)).settled()
     assert found.z.tolist() == [0.0, 0.0, 0.0]
     assert found.error <= 1e-20
-    assert np.abs(found.vectors["left"]) == pytest.approx([1.0, 0.0], abs=1e-15)
+    assert [abs(float(entry)) for entry in found.data[3:5]] == pytest.approx([1.0, 0.0], abs=1e-15)
 
 
 @pytest.mark.parametrize("c", [1e-3, 1e-8, 1e-13])
@@ -131,7 +131,7 @@ def test_two_eigenvalues_that_vanish_together_and_one_alone():
 
     problem = small_problem(both, "xyz", {"lam": 0.1}, "lam")
     found = multiple_zero(problem, sample_at(problem, 0.0, 0.0, 0.0, 1e-3)).settled()
-    assert found.vectors["multiplicity"] == 2
+    assert found.multiplicity == 2
     assert np.abs(found.z).max() <= 1e-15
     assert multiple_zero(fork_problem(), sample_at(fork_problem(), 0.0, 0.0, 1e-3)) is None
 
@@ -144,18 +144,18 @@ def test_a_hopf_point_with_its_frequency():
     sample = sample_at(problem, 0.0, 0.0, 0.0, 0.03)
     found = hopf(problem, sample, 0).settled()
     assert found.z.tolist() == [0.0, 0.0, 0.0, 0.0]
-    assert found.vectors["omega"] == pytest.approx(1.0 / 3.0, abs=1e-16)
-    q = found.vectors["right"]
+    assert found.data.omega == pytest.approx(1.0 / 3.0, abs=1e-16)
+    q = found.data.right
     # (A - i omega) q = 0 with A = [[0, -w], [w, 0]]: q is (1, -i) times a number, whichever one was asked.
     assert abs(q[1] + 1j * q[0]) <= 1e-15 * abs(q[0])
     same = hopf(problem, sample, 1).settled()
-    assert same.vectors["omega"] == found.vectors["omega"]
+    assert same.data.omega == found.data.omega
 
 
 def test_a_pair_with_a_given_real_part():
     found = hopf(swing_problem(), sample_at(swing_problem(), 0.0, 0.0, 0.0, 0.03), 0, shift=-0.5).settled()
     assert found.z[-1] == pytest.approx(-0.5, abs=1e-16)
-    assert found.vectors["omega"] == pytest.approx(2.0, abs=4e-16)
+    assert found.data.omega == pytest.approx(2.0, abs=4e-16)
 
 
 def test_a_double_zero_is_no_hopf_point():

@@ -14,7 +14,7 @@ mark of `max_re`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -132,8 +132,8 @@ def real_eigenvalue(
     system = DefiningSystem(scale, residual, jacobian, exactly, size + 1 if deficient else None)
 
     def described(found: Solution) -> Located:
-        vectors = {"right": found.values[size + 1 :], "exact": found.exact}
-        return Located(found.values[: size + 1], float(found.errors[size]), vectors, found.refined)
+        z, v = found.values[: size + 1], found.values[size + 1 :]
+        return Located(z, float(found.errors[size]), refined=found.refined, critical=v)
 
     return solve(system, np.concatenate([sample.z, start]), described)
 
@@ -143,9 +143,9 @@ def observed(
     sample: Sample,
     kernels: tuple[Kernel, Kernel],
     level: float,
-    vectors: Mapping[str, Any] | None = None,
+    limit: int | None = None,
 ) -> Located | None:
-    """The point near a sample at which an observable has the value `level`, with some vectors."""
+    """The point near a sample at which an observable has the value `level`, of a limit with its number."""
     value, gradient = kernels
 
     def residual(u: np.ndarray) -> np.ndarray:
@@ -160,6 +160,6 @@ def observed(
         return [*problem.kernels.residual.exactly(*inputs), value.exactly(*inputs)[0] - level]
 
     def described(found: Solution) -> Located:
-        return Located(found.values, float(found.errors[-1]), dict(vectors or {}), found.refined)
+        return Located(found.values, float(found.errors[-1]), refined=found.refined, limit=limit)
 
     return solve(DefiningSystem(sample.weights, residual, jacobian, exactly), sample.z, described)

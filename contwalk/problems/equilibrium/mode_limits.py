@@ -60,7 +60,7 @@ class ModeLimits:
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """In words, which guard is reached, and what is beyond."""
-        reached = self._boundaries[int(located.vectors["limit"])]
+        reached = located.among(self._boundaries)
         found = beyond(self._problem, located.z, sample.weights, reached)
         return f"At {self._problem.free} = {located.z[-1]:.12g} the equilibrium reaches {found.words}"
 

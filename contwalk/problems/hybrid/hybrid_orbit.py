@@ -129,7 +129,7 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
         there = located.problem if located.problem is not None else self
         record = super().special_point(kind, located, sample, s)
         if kind.test is Test.MARGIN:
-            limit = self.limits[int(located.vectors["limit"])]
+            limit = located.among(self.limits)
             name = limit.kind
             changes = limit.test in ("duration", "past")
             if changes and corner.has_corner(there, located.z, limit, sample.tangent):

@@ -13,13 +13,13 @@ from contwalk.problems.problem import Located
 AT_ONCE = 1e-12
 
 
-def place_of(problem: LimitedOrbit, limit: Limit, located: Located) -> str:
-    """Where in the cycle a limit is met."""
+def place_of(problem: LimitedOrbit, limit: Limit, located: Located[float]) -> str:
+    """Where in the cycle a limit is met, so many seconds after its leg begins."""
     leg = problem.itinerary.legs[limit.leg]
     event = problem.itinerary.leading_in(problem.system, limit.leg)
     begins = "the start of the period" if problem.forced else "the orbit's start"
     before = f"'{event}'" if event else begins
-    after = problem.system.lasting(float(located.vectors["seconds"]), ".10g")
+    after = problem.system.lasting(located.data, ".10g")
     if limit.test == "duration":
         return f"'{limit.name}' follows {before} at once: between them mode {leg.mode} lasts no time"
     if limit.test == "condition":
@@ -43,20 +43,20 @@ def place_of(problem: LimitedOrbit, limit: Limit, located: Located) -> str:
         return f"'{limit.name}' is touched at the instant of '{other}': beyond it not in mode {leg.mode}"
     if limit.test == "leaving":
         return f"'{limit.name}' is not left again: right after it, in mode {leg.mode}, its guard has no rate"
-    if abs(float(located.vectors["seconds"])) <= AT_ONCE * problem.duration(located.z):
+    if abs(located.data) <= AT_ONCE * problem.duration(located.z):
         return f"'{limit.name}' is touched at the instant of {before}, in mode {leg.mode}"
     return f"'{limit.name}' is touched {after} after {before}, in mode {leg.mode}"
 
 
-def sentence(problem: LimitedOrbit, located: Located) -> str:
+def sentence(problem: LimitedOrbit, located: Located[float]) -> str:
     """What fails beyond a limit, and what is nearest to it."""
     there = located.problem if located.problem is not None else problem
-    limit = problem.limits[int(located.vectors["limit"])]
+    limit = located.among(problem.limits)
     found = there.margins(located.z)
     others = [
         (float(r), o, float(v))
         for k, (r, o, v) in enumerate(zip(found.relative, found.limits, found.values, strict=True))
-        if k != int(located.vectors["limit"]) and np.isfinite(v) and o.test != "duration"
+        if k != located.limit and np.isfinite(v) and o.test != "duration"
     ]
     text = f"At {problem.free} = {float(located.z[-1]):.12g} {place_of(there, limit, located)}."
     violated = dict.fromkeys(o.name for r, o, _ in others if r < -ZERO)

@@ -101,7 +101,7 @@ def located(problem: LimitedOrbit, which: int, sample: Sample) -> Located | None
 
 def _told_by_what_vanishes(problem: LimitedOrbit, which: int, sample: Sample, found: Located) -> Located:
     """A limit by the equations of the leg that turns out to vanish there: its own are singular at it."""
-    if "vanishing" in found.vectors:
+    if found.vanishing:
         return found
     near = replace(sample, z=found.z)
     try:
@@ -146,11 +146,11 @@ def system_of(
         jacobian[size:] = rows
         return np.concatenate([own.residual, values]), jacobian
 
-    def vectors(there: Any, y: np.ndarray) -> dict:
-        seconds = float(y[-1]) if limit.test == "dip" else float(y[there.layout.durations][i])
-        return {"limit": which, "seconds": 0.0 if limit.test in AT_START else seconds}
+    def described(found: Located, y: np.ndarray) -> Located:
+        seconds = float(y[-1]) if limit.test == "dip" else float(y[found.problem.layout.durations][i])
+        return replace(found, limit=which, data=0.0 if limit.test in AT_START else seconds)
 
-    return augmented.Augmented(evaluate, start, scale, vectors, in_units=True)
+    return augmented.Augmented(evaluate, start, scale, described, in_units=True)
 
 
 def _doubtful(problem: LimitedOrbit, limit: Limit) -> tuple[int, ...]:
@@ -259,12 +259,12 @@ def _vanishing(problem: LimitedOrbit, which: int, i: int, sample: Near) -> augme
 
     around, told = _around(problem, gone), _grazing_of(problem, which, i)
 
-    def vectors(there: Any, y: np.ndarray) -> dict:
-        seconds = float(y[there.layout.durations][there.limits[told].leg])
-        return {"limit": told, "seconds": seconds, "vanishing": around}
+    def described(found: Located, y: np.ndarray) -> Located:
+        seconds = float(y[found.problem.layout.durations][found.problem.limits[told].leg])
+        return replace(found, limit=told, data=seconds, vanishing=around)
 
     start, scale = (np.append(v, np.full(len(gone), w)) for v, w in ((sample.z, 0.0), (sample.weights, 1.0)))
-    return augmented.Augmented(evaluate, start, scale, vectors, in_units=True)
+    return augmented.Augmented(evaluate, start, scale, described, in_units=True)
 
 
 def _around(problem: LimitedOrbit, gone: Sequence[int]) -> tuple[int, ...]:

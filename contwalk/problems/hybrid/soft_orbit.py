@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -120,22 +119,22 @@ class SoftOrbit(SoftEquations):
             problem = self.adapted_to(there.z, sample.weights, self.mesh.tolerance)
         return None
 
-    def _wrapped(self, found: Located | None) -> Located | None:
-        """A point of explicit orbits as one of these."""
+    def _wrapped(self, found: Located | None) -> Located[Located] | None:
+        """A point of explicit orbits as one of these, which has it as its data."""
         if found is None:
             return None
         other = self.around(found.problem, found.z)
-        vectors: dict[str, Any] = {**found.vectors, "explicit": found}
-        if "limit" in vectors:
-            vectors["limit"] = self._own_limit(found.problem, int(vectors["limit"]))
-        refine = found.refine
-        return Located(
-            other.inner.z,
-            found.error,
-            vectors,
-            found.refined,
-            None if refine is None else lambda: self._wrapped(refine()),
-            other,
+        limit, critical, refine = found.limit, found.critical, found.refine
+        if critical is not None:
+            critical = other.inner.grouping.split(np.append(critical, 0.0))[0][:-1]
+        return replace(
+            found,
+            z=other.inner.z,
+            data=found,
+            refine=None if refine is None else lambda: self._wrapped(refine()),
+            problem=other,
+            critical=critical,
+            limit=None if limit is None else self._own_limit(found.problem, limit),
         )
 
     def rate(self, name: str, sample: Sample) -> float:
@@ -143,10 +142,10 @@ class SoftOrbit(SoftEquations):
         explicit, own, length = self._explicit_sample(sample)
         return explicit.rate(name, own) * length
 
-    def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
+    def tangent_at(self, located: Located[Located], near: Sample) -> np.ndarray | None:
         """At a branch point, the tangent of the branch that `near` is on. Shape (N + 1,)."""
         explicit, own, _ = self._explicit_sample(near)
-        under = located.vectors["explicit"]
+        under = located.data
         if under.problem.itinerary != explicit.itinerary:
             there = self.adapted_to(located.z, near.weights)
             explicit, own, _ = there._explicit_sample(replace(near, z=located.z))
@@ -161,15 +160,14 @@ class SoftOrbit(SoftEquations):
         under, own = self._under(located, sample)
         record = under.problem.special_point(kind, under, own, s)
         if kind.test is Test.MARGIN and record.kind != "corner":
-            record = replace(record, kind=self.limits[int(located.vectors["limit"])].kind)
+            record = replace(record, kind=located.among(self.limits).kind)
         return replace(record, unknowns=tuple(located.z.tolist()), tangent=tuple(sample.tangent.tolist()))
 
-    def _under(self, located: Located, sample: Sample) -> tuple[Located, Sample]:
+    def _under(self, located: Located[Located], sample: Sample) -> tuple[Located, Sample]:
         """A located point and the sample there, of the explicit orbit."""
         there = located.problem if located.problem is not None else self
         explicit, own, _ = there._explicit_sample(replace(sample, z=located.z))
-        under = located.vectors.get("explicit")
-        return under or Located(own.z, located.error, located.vectors, problem=explicit), own
+        return located.data or replace(located, z=own.z, refined=False, problem=explicit), own
 
     def _stored(self, point: SpecialPoint) -> tuple[SoftOrbit, HybridOrbit, SpecialPoint]:
         """The problem discretised for a stored point, and the point as one of the explicit orbit's."""

@@ -108,21 +108,22 @@ class Condensed(ABC):
         matrix[size:, size + 1 :] = by_own
         return np.concatenate([found.residual, residual[whole:]]), matrix, eliminated
 
-    def vectors(self, there: SoftEquations, y: np.ndarray) -> dict[str, Any]:
-        """The critical vector of the orbit, where the condition has one; y has the shape (N + 1 + k,)."""
+    def critical(self, there: SoftEquations, y: np.ndarray) -> np.ndarray:
+        """The critical vector of the orbit, of a condition that has one; y has the shape (N + 1 + k,)."""
         found, own = there._at(y[: there.size + 1]), y[there.size + 1 :]
-        known = self._of(found, own, own).vectors(found.explicit, np.concatenate([found.unknowns, own]))
-        if "right" not in known:
-            return {}
-        return {"right": found.grouping.split(np.append(known["right"], 0.0))[0][:-1]}
+        of_explicit = self._of(found, own, own).critical
+        assert of_explicit is not None
+        known = of_explicit(found.explicit, np.concatenate([found.unknowns, own]))
+        return found.grouping.split(np.append(known, 0.0))[0][:-1]
 
     @property
     def augmented(self) -> Augmented:
         """The equations."""
         start = np.append(self.near.z, self.further)
         scale = np.append(self.near.weights, np.where(self.further == 0.0, 1.0, np.abs(self.further)))
-        given = (self.evaluate, start, scale, self.vectors, self.in_units)
-        return Augmented(*given, in_plane=self.in_plane)  # type: ignore[arg-type]
+        own: Any = self  # these are orbits too
+        further = {"in_units": self.in_units, "in_plane": own.in_plane, "critical": own.critical}
+        return Augmented(own.evaluate, start, scale, **further)
 
 
 class OfMultipliers(Condensed):

@@ -118,7 +118,7 @@ def pair_system(problem: OrbitData, near: Near, cosine: float, held: bool = Fals
 
     further = [] if held else [cosine]
     start, scale = np.append(near.z, further), np.append(near.weights, np.ones(len(further)))
-    return Augmented(evaluate, start, scale, lambda there, y: {}, in_plane=in_plane)
+    return Augmented(evaluate, start, scale, in_plane=in_plane)
 
 
 def _borders(problem: OrbitData, near: Near, cosine: float) -> tuple[np.ndarray, np.ndarray]:

@@ -115,7 +115,7 @@ class LimitsOnCurve:
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """Why the orbits of a curve beyond a limit are not the machine's."""
-        limit = self.limits[int(located.vectors["limit"])]
+        limit = located.among(self.limits)
         where = limits_in_words.place_of(self._orbit, limit.own, located)
         return f"At {self._free} = {float(located.z[-1]):.12g} {where}."
 

@@ -53,6 +53,13 @@ Evaluate = Callable[["OrbitData", np.ndarray], tuple[np.ndarray, np.ndarray]]
 EvaluateInPlane = Callable[
     ["OrbitData", "OrbitData", np.ndarray, float], tuple[np.ndarray, np.ndarray, np.ndarray]
 ]
+# What is located, and all unknowns there: the same with what else is known of it.
+Described = Callable[[Located, np.ndarray], Located | None]
+
+
+def as_found(found: Located, y: np.ndarray) -> Located:
+    """Nothing else is known of it; y has the shape (N + 1 + r',)."""
+    return found
 
 
 class Near(Protocol):
@@ -77,15 +84,18 @@ class Augmented:
     they are bordered inverses, whose terms are of size one. `across`: the gradient along the branch,
     shape (N + 1,), where on other steps the point may lie so far along theirs that it has to be walked to.
     `in_plane`: derivatives by two parameters at once, where that is cheaper than `evaluate` on both lines.
+    `described`: a point that solves it, at unknowns of shape (N + 1 + r',), with what else is known of it;
+    None where it turns out to be none. `critical`: the null vector of L, shape (N,).
     """
 
     evaluate: Evaluate
     start: np.ndarray
     scale: np.ndarray
-    vectors: Callable[[OrbitData, np.ndarray], dict]
+    described: Described = as_found
     in_units: bool = False
     across: np.ndarray | None = None
     in_plane: EvaluateInPlane | None = None
+    critical: Callable[[OrbitData, np.ndarray], np.ndarray] | None = None
 
     def over(
         self, first: OrbitData, second: OrbitData, y: np.ndarray, value: float
@@ -138,8 +148,8 @@ def solved(problem: OrbitData, system: Augmented, sample: Sample) -> Located | N
     if rough is None:
         return None
     walking = 1e3 * problem.mesh.tolerance * abs(float(rough[size]))
-    located = Located(rough[: size + 1], walking, system.vectors(problem, rough), problem=problem)
-    return replace(located, refine=lambda: _refined(problem, system, rough, sample, lacking))
+    found = system.described(Located(rough[: size + 1], walking, problem=problem), rough)
+    return found and replace(found, refine=lambda: _refined(problem, system, rough, sample, lacking))
 
 
 def _lacking(problem: OrbitData, system: Augmented, sample: Sample) -> Lacking:
@@ -204,12 +214,10 @@ def _refined(
     moved = np.abs(found - rough)[: size + 1] / sample.weights
     if not np.max(moved) < (MOVED if system.across is None else MOVED_ALONG):
         return None  # refinement has left the neighbourhood
-    vectors = system.vectors(finer, found)
-    if "plane" in vectors:
-        vectors["returned_to_parent"] = finer.returned_to_parent(found[: size + 1], sample.tangent)
-    if len(free) > 1:
-        vectors["errors"] = errors
-    return Located(found[: size + 1], errors[problem.line.free], vectors, refined=True, problem=finer)
+    named = errors if len(free) > 1 else {}
+    error = errors[problem.line.free]
+    point: Located = Located(found[: size + 1], error, refined=True, problem=finer, errors=named)
+    return system.described(point, found)
 
 
 def _rounding(problem: OrbitData, system: Augmented, y: np.ndarray, places: Sequence[int]) -> list[float]:
@@ -351,7 +359,7 @@ def _lasting(level: float, sample: Sample) -> Augmented:
     def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return there.linearize(z).with_row(there.duration(z) - level, there.duration_gradient(z))
 
-    return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {}, in_units=True)
+    return Augmented(evaluate, sample.z, sample.weights, in_units=True)
 
 
 def along(sample: Sample, value: Callable[[OrbitData, np.ndarray], float], slope: float) -> Augmented | None:
@@ -363,7 +371,7 @@ def along(sample: Sample, value: Callable[[OrbitData, np.ndarray], float], slope
     def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return there.linearize(z).with_row(value(there, z), gradient)
 
-    return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {}, in_units=True)
+    return Augmented(evaluate, sample.z, sample.weights, in_units=True)
 
 
 def where_zero(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -33,17 +34,21 @@ def filled_magnitudes(problem: OrbitData, z: np.ndarray) -> np.ndarray:
     return filled
 
 
-def directions(problem: OrbitData, located: Located, weights: np.ndarray) -> list[np.ndarray]:
-    """Tangents of the two branches through a branch point, each a unit vector in the metric.
+@dataclass(frozen=True)
+class NullVectors:
+    """Those of DF where two branches cross: two right ones, shape (2, N + 1), and the left one, (N,)."""
 
-    Each has the shape (N + 1,), as the weights have.
+    plane: np.ndarray
+    left: np.ndarray
+
+
+def directions(there: OrbitData, z: np.ndarray, null: NullVectors, weights: np.ndarray) -> list[np.ndarray]:
+    """Tangents of the two branches through a branch point z, each a unit vector in the metric.
+
+    Each has the shape (N + 1,), as z and the weights have.
     """
-    there = located.problem if located.problem is not None else problem
-    vectors, z = located.vectors, located.z
-    if "plane" not in vectors:
-        return []
-    t1, t2 = (np.linalg.qr((vectors["plane"] / weights).T)[0] * weights[:, None]).T
-    psi = vectors["left"]
+    t1, t2 = (np.linalg.qr((null.plane / weights).T)[0] * weights[:, None]).T
+    psi = null.left
     h1, h2 = psi @ variations.derivative_along(there, z, t1), psi @ variations.derivative_along(there, z, t2)
     form = np.array([[h1 @ t1, h1 @ t2], [h1 @ t2, h2 @ t2]])
     values, axes = np.linalg.eigh(form)
@@ -62,7 +67,8 @@ def tangent_through(problem: OrbitData, located: Located, near: Sample) -> np.nd
 
     Shape (N + 1,).
     """
-    found = directions(problem, located, near.weights)
+    there, null = located.problem or problem, located.data
+    found = directions(there, located.z, null, near.weights) if isinstance(null, NullVectors) else []
     if not found:
         return None
     products = [float((t / near.weights) @ (near.tangent / near.weights)) for t in found]
@@ -76,8 +82,7 @@ def crossing(problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]
     jacobian = problem.linearize(z).jacobian
     rows = problem.equation_scales
     u, _, vh = np.linalg.svd(jacobian / rows[:, None] * weights)
-    located = Located(z, 0.0, {"plane": vh[-2:] * weights, "left": u[:, -1] / rows}, problem=problem)
-    found = directions(problem, located, weights)
+    found = directions(problem, z, NullVectors(vh[-2:] * weights, u[:, -1] / rows), weights)
     if len(found) < 2:
         return ()
     parent = np.array(point.tangent)

@@ -46,7 +46,7 @@ def test_where_finer_steps_change_nothing_rounding_is_left(steepness):
         return rows @ y - [0.0, 1.0 / 3.0, 0.7], rows
 
     start = np.array([0.3, 0.4 / steepness, 0.5])
-    system = augmented.Augmented(evaluate, start, np.abs(start), lambda there, y: {})
+    system = augmented.Augmented(evaluate, start, np.abs(start))
     sample = SimpleNamespace(z=start[:2], weights=np.array([1.0, 1.0]))
     rough = augmented.solved(problem, system, sample)
     found = rough.settled()
@@ -70,7 +70,6 @@ def test_a_field_that_is_not_smooth_to_all_digits_is_followed_as_finely_as_it_is
         lambda there, y: (np.append(jacobian @ y, y[0] - 0.5), np.vstack([jacobian, [1.0, 0.0]])),
         np.array([0.4, 0.3]),
         np.ones(2),
-        lambda there, y: {},
     )
     sample = SimpleNamespace(z=np.array([0.499, 0.2495]), weights=np.ones(2))
     settled = augmented.solved(problem, system, sample).settled()

@@ -26,11 +26,11 @@ class BoundaryEquilibrium(EquilibriumPoint, LimitType):
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The equilibrium near a sample at which a guard is zero; `which` is the boundary's number."""
         kernels = problem.guard_kernels(boundaries_of(problem.system)[which].name)
-        return defining.observed(problem, sample, kernels, 0.0, {"limit": which})
+        return defining.observed(problem, sample, kernels, 0.0, limit=which)
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """Its kind, and a note that names the guard and what lies beyond."""
-        boundary = boundaries_of(problem.system)[int(located.vectors["limit"])]
+        boundary = located.among(boundaries_of(problem.system))
         found = beyond(problem, located.z, sample.weights, boundary)
         return found.kind, None, {}, f"It reaches {found.words}"
 

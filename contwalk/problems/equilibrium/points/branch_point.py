@@ -179,8 +179,7 @@ def _branch_point_from(problem: EquilibriumEquations, sample: Sample, left: np.n
         # What is below the rounding of the equations is nothing: parameters such as pi are rounded too.
         if abs(found.values[-1]) > 16.0 * unfolding:
             return None
-        vectors = {"left": found.values[size + 1 : -1], "exact": found.exact}
-        return Located(found.values[: size + 1], float(found.errors[size]), vectors, found.refined)
+        return Located(found.values[: size + 1], float(found.errors[size]), found.exact, found.refined)
 
     return solve(system, np.concatenate([sample.z, start, [0.0]]), described, unfoldings=(-1,))
 
@@ -253,7 +252,9 @@ def _moved_cubic(
     return _cubic(problem, z, bordered, right, left * float(p @ p))
 
 
-def is_pitchfork(problem: EquilibriumEquations, located: Located, q: np.ndarray, p: np.ndarray) -> bool:
+def is_pitchfork(
+    problem: EquilibriumEquations, located: Located[list[Any]], q: np.ndarray, p: np.ndarray
+) -> bool:
     """Whether p.B(q, q) vanishes, judged in extended precision at the refined point.
 
     A pitchfork is a statement of equality; in floats it could not be told from a transcritical point
@@ -267,7 +268,7 @@ def is_pitchfork(problem: EquilibriumEquations, located: Located, q: np.ndarray,
 
     size = problem.size
     with mpmath.workdps(DIGITS):
-        exact: Sequence[Any] = located.vectors["exact"]
+        exact = located.data
         inputs = problem.exact_inputs(exact[: size + 1])
         psi = exact[size + 1 : 2 * size + 1]
         vector = _refined_null_vector(problem, inputs, q, p)

@@ -7,6 +7,7 @@ Anal. 3, 295); sigma is zero, and the wanted real part where that is marked.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,14 @@ OF_ONE = ("l1", "l1_error", "convention")
 ZERO_TOO = "degenerate: an eigenvalue is zero as well, so there is no first Lyapunov coefficient"
 
 
+@dataclass(frozen=True)
+class ImaginaryPair:
+    """The eigenvalues +-i omega of a Hopf point, and the complex right vector of i omega, shape (n,)."""
+
+    omega: float
+    right: np.ndarray
+
+
 class Hopf(EquilibriumPoint):
     """A pair of complex eigenvalues passes the imaginary axis."""
 
@@ -44,12 +53,12 @@ class Hopf(EquilibriumPoint):
         """Where the real part is `level`."""
         return hopf(problem, sample, which, level)
 
-    def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
+    def form(self, problem: EquilibriumEquations, located: Located[ImaginaryPair], sample: Sample) -> Form:
         """The first Lyapunov coefficient, and the side to which cycles are born."""
         try:
             coefficients = hopf_coefficients(problem, located, sample.weights)
         except np.linalg.LinAlgError:  # A is singular: right at a fold
-            return None, None, {"omega": float(located.vectors["omega"])}, ZERO_TOO
+            return None, None, {"omega": located.data.omega}, ZERO_TOO
         criticality, note = _criticality(problem, coefficients)
         waves = waves_at(problem, located.z, coefficients["omega"])
         if waves is None:
@@ -110,8 +119,8 @@ def hopf(problem: EquilibriumEquations, sample: Sample, which: int, shift: float
         # omega = 0 is the degenerate solution of the same equations (a fold, a Bogdanov-Takens point).
         if not abs(w) > 1e-6 * omega:
             return None
-        vectors = {"right": v if w > 0 else np.conj(v), "omega": abs(w), "exact": found.exact}
-        return Located(z, float(found.errors[size]), vectors, found.refined)
+        own = ImaginaryPair(abs(float(w)), v if w > 0 else np.conj(v))
+        return Located(z, float(found.errors[size]), own, found.refined)
 
     return solve(system, np.concatenate([sample.z, start.real, start.imag, [omega]]), described)
 
@@ -192,7 +201,10 @@ def _complex_as_real(a: np.ndarray, omega: float) -> np.ndarray:
 
 
 def hopf_coefficients(
-    problem: EquilibriumEquations, located: Located, weights: np.ndarray, along: np.ndarray | None = None
+    problem: EquilibriumEquations,
+    located: Located[ImaginaryPair],
+    weights: np.ndarray,
+    along: np.ndarray | None = None,
 ) -> dict[str, Any]:
     """First Lyapunov coefficient with its estimated error, and how fast the pair crosses.
 
@@ -201,8 +213,7 @@ def hopf_coefficients(
     that l1 is the sum of: where all of them are imaginary, as in a conservative machine, their real parts are
     rounding.
     """
-    omega = float(located.vectors["omega"])
-    q = located.vectors["right"] if along is None else along
+    omega, q = located.data.omega, located.data.right if along is None else along
     q = q / np.linalg.norm(q)
     here = lyapunov(problem, located.z, omega, q)
     moved = [lyapunov(problem, z, omega, q).l1 for z in rounded(located.z, weights)]

@@ -35,8 +35,8 @@ class KreinCollision(EquilibriumPoint):
 
     def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """The frequency at which the pairs meet."""
-        which = int(located.vectors["which"])
-        return None, None, {"omega": abs(float(sample.eigenvalues[which].imag)), "pairs": 2}, NOTE
+        omega = abs(float(sample.eigenvalues[located.which].imag))
+        return None, None, {"omega": omega, "pairs": 2}, NOTE
 
     def has(self, point: SpecialPoint) -> bool:
         """A stored point of two pairs."""

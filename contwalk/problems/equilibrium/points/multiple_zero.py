@@ -38,7 +38,7 @@ class MultipleZero(EquilibriumPoint):
 
     def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """How many eigenvalues vanish, and how many branches leave."""
-        many = located.vectors["multiplicity"]
+        many = located.multiplicity
         found = leaving(problem, located.z, located.error, sample.tangent, many)
         note = f"{many} real eigenvalues vanish together: {_told(problem, found)}"
         return None, None, {"multiplicity": many}, note
@@ -91,7 +91,7 @@ def multiple_zero(problem: EquilibriumEquations, sample: Sample) -> Located | No
         found = spectrum(matrix, np.zeros_like(matrix), problem.errors_of_matrix(there.z))
         least = max(part * np.abs(found.values).max(), VANISHED * np.nan_to_num(fastest))
         count = int(np.sum(np.abs(found.values) <= np.maximum(found.errors, least)))
-        return replace(there, vectors={**there.vectors, "multiplicity": count}) if count > 1 else None
+        return replace(there, multiplicity=count) if count > 1 else None
 
     near = None if located is None else counted(located)
 

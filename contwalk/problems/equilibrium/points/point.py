@@ -58,7 +58,7 @@ class EquilibriumPoint(PointType):
 
     def _told(self, problem: Any, located: Located, sample: Sample) -> Form:
         kind, criticality, coefficients, note = self.form(problem, located, sample)
-        if located.vectors.get("turns"):
+        if located.turns:
             turns = "the parameter turns here as well: a fold that is not told apart"
             note = f"{note}; {turns}" if note else turns
         return kind, criticality, coefficients, note

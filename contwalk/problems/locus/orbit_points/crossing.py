@@ -9,7 +9,7 @@ vectors, so that Newton's method is one with nearly exact slopes: where it ends 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,10 +17,9 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, PluginError
-from contwalk.problems.located import CROSSING
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
 from contwalk.problems.locus.orbit_points.switching import crossing_born, where_two_cross
-from contwalk.problems.orbit.augmented import Augmented
+from contwalk.problems.orbit.augmented import Augmented, Described, as_found
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 # How far along a vector of length one, in the metric, DF is looked at for its slope.
@@ -93,19 +92,13 @@ def units(problem: Any, sample: Sample) -> np.ndarray:
     return np.append(orbit.equation_scales, np.where(largest > 0.0, largest, 1.0))
 
 
-def crossing_near(
-    problem: Any, sample: Sample, further: Callable[[Any, np.ndarray], dict[str, Any]] | None = None
-) -> Located | None:
+def crossing_near(problem: Any, sample: Sample, further: Described = as_found) -> Located | None:
     """The point near a sample at which two curves of the problem cross.
 
-    `further` are vectors to be told of it beside the tangents of both, by the problem and the unknowns, shape
-    (W + 1,).
+    `further` tells of it what is known beside the tangents of both, by all unknowns, shape (W + 1,).
     """
     try:
-        system = crossing_system(problem, sample)
-        told = system.vectors
-        if further is not None:
-            system = replace(system, vectors=lambda at, y: {**told(at, y), **further(at, y)})
+        system = crossing_system(problem, sample, further)
         found: Located | None = problem.located(system, sample)
     except (NotFinite, PluginError, np.linalg.LinAlgError):
         return None
@@ -133,12 +126,11 @@ def _doubted(found: Located, system: Augmented) -> Located:
         left = system.evaluate(there, y + nudge)[0] - residual - jacobian @ nudge
         noise[-2:] = np.maximum(noise[-2:], np.abs(left[-2:]))
     doubt = TIMES * np.abs(np.linalg.inv(jacobian * system.scale) * system.scale[:, None]) @ noise
-    known = found.vectors["errors"]
-    errors = {name: known[name] + float(doubt[-2 - k]) for k, name in enumerate(there.line.names)}
-    return replace(found, error=errors[there.line.free], vectors={**found.vectors, "errors": errors})
+    errors = {name: found.errors[name] + float(doubt[-2 - k]) for k, name in enumerate(there.line.names)}
+    return replace(found, error=errors[there.line.free], errors=errors)
 
 
-def crossing_system(problem: Any, sample: Sample) -> Augmented:
+def crossing_system(problem: Any, sample: Sample, further: Described = as_found) -> Augmented:
     """The equations of a point near a sample at which two curves of the problem cross; mu is zero there."""
     held, width = borders(problem, sample), len(sample.z)
     column = held.rows * held.left
@@ -152,12 +144,12 @@ def crossing_system(problem: Any, sample: Sample) -> Augmented:
         jacobian[-2:, :-1] = [-slope(there, z, held, p, q) for q in vectors]
         return np.concatenate([own.residual + y[width] * column, corners]), jacobian
 
-    def vectors(there: Any, y: np.ndarray) -> dict[str, Any]:
-        # The tangents of both curves.
-        return {CROSSING: where_two_cross(there, y[:width], held.columns, held.rows)}
+    def described(found: Located, y: np.ndarray) -> Located | None:
+        tangents = where_two_cross(found.problem, found.z, held.columns, held.rows)
+        return further(replace(found, crossing=tangents), y)
 
     start, scale = np.append(sample.z, 0.0), np.append(sample.weights, 1.0)
-    return Augmented(evaluate, start, scale, vectors)
+    return Augmented(evaluate, start, scale, described)
 
 
 def slope(there: Any, z: np.ndarray, held: Borders, p: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -176,7 +168,7 @@ def tangent_through(located: Located, near: Sample) -> np.ndarray | None:
 
     Shape (W,). None of a point at which no curves cross.
     """
-    found = located.vectors.get(CROSSING)
+    found = located.crossing
     if not found:
         return None
     products = [float((t / near.weights) @ (near.tangent / near.weights)) for t in found]

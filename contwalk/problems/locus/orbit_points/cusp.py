@@ -38,5 +38,5 @@ def quadratic(problem: Any, z: np.ndarray) -> float:
     """
     there, own = problem.plane.first(z)
     fold = problem.condition.system
-    v = fold.vectors(there, own)["right"]
+    v = fold.critical(there, own)
     return float(fold.evaluate(there, own)[1][-1, : len(v)] @ v)

@@ -56,7 +56,7 @@ class DegenerateGrazing(OrbitLocusPoint):
         def second(orbit: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             return limit_equations.second_rate(orbit, limit, y, share)
 
-        held = Held(Augmented(second, sample.z, sample.weights, lambda there, y: {}), further)
+        held = Held(Augmented(second, sample.z, sample.weights), further)
         places = [*range(n), len(sample.z) - 2, len(sample.z) - 1]
 
         def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -64,7 +64,7 @@ class DegenerateGrazing(OrbitLocusPoint):
             value, row[:, places], row[:, further] = held.over(there.plane, y, y[further])
             return there.linearize(y).with_row(value, row)
 
-        return Augmented(evaluate, sample.z, sample.weights, lambda there, y: {}, in_units=True)
+        return Augmented(evaluate, sample.z, sample.weights, in_units=True)
 
 
 def _share(problem: Any, z: np.ndarray) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -60,11 +61,11 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
         scale = np.append(sample.weights, found.scale[len(own) :])
         limit = there.limits[which]
 
-        def vectors(at: Any, y: np.ndarray) -> dict[str, Any]:
-            lasting = y[at.orbit.layout.durations][limit.leg]
-            return {"limit": which, "seconds": float(y[-1] if limit.test == "dip" else lasting)}
+        def described(found: Located, y: np.ndarray) -> Located:
+            lasting = y[found.problem.orbit.layout.durations][limit.leg]
+            return replace(found, limit=which, data=float(y[-1] if limit.test == "dip" else lasting))
 
-        return Augmented(system.evaluate, system.start, scale, vectors)
+        return Augmented(system.evaluate, system.start, scale, described)
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The point near a sample.
@@ -81,11 +82,11 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
     def _at_crossing(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The point near a sample at which curves cross, if the limit is met there."""
 
-        def vectors(at: Any, y: np.ndarray) -> dict[str, Any]:
-            leg = at.limited.limits[which].own.leg
-            return {"limit": which, "seconds": float(y[at.orbit.layout.durations][leg])}
+        def described(found: Located, y: np.ndarray) -> Located:
+            there, leg = found.problem, found.problem.limited.limits[which].own.leg
+            return replace(found, limit=which, data=float(y[there.orbit.layout.durations][leg]))
 
-        found = crossing.crossing_near(problem, sample, vectors)
+        found = crossing.crossing_near(problem, sample, described)
         met = found is not None and abs(problem.margins(found.z).relative[which]) < MET
         return found if met else None
 
@@ -109,9 +110,9 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
         tangent."""
         return point.label == self.label and (point.kind != "resonant" or self.label == GRAZINGS)
 
-    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+    def form(self, problem: Any, located: Located[float], sample: Sample) -> Form:
         """The kind, where in the cycle it is met, and where both curves are tangent how they part."""
-        limit, told = problem.limited.limits[int(located.vectors["limit"])], {}
+        limit, told = located.among(problem.limited.limits), {}
         there, own = problem.plane.first(located.z)
         soft = isinstance(there, SoftEquations)
         if limit.kind == "resonant" and problem.curve.of in TANGENT and not soft:

@@ -79,7 +79,7 @@ class OrbitLocusPoint(PointType):
             spectrum_full=None if fold == 1 else tuple(v**fold for v in spectrum),
             trivial_error=sample.trivial_error if np.isfinite(sample.trivial_error) else None,
             error=located.error,
-            errors=dict(located.vectors.get("errors", {})),
+            errors=dict(located.errors),
             coefficients=coefficients,
             admissible=margins is None or margins.admissible,
             margin={} if margins is None else margins.by_name,
@@ -150,4 +150,4 @@ def together(problem: Any, sample: Sample, held: Sequence[Held], further: np.nda
         return evaluated(there.plane, width, y, held)
 
     start, scale = np.append(sample.z, further), np.append(sample.weights, np.ones(len(further)))
-    return Augmented(evaluate, start, scale, lambda there, y: {})
+    return Augmented(evaluate, start, scale)

@@ -48,7 +48,7 @@ class OnTori(OrbitLocusPoint):
         def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             return there.linearize(y).with_row(y[place] - self.cosine, np.eye(1, len(y), place))
 
-        return Augmented(evaluate, sample.z, sample.weights, lambda there, y: {})
+        return Augmented(evaluate, sample.z, sample.weights)
 
 
 class R1OnTori(OnTori):
@@ -94,11 +94,11 @@ class R2OnTori(OnTori):
 
         Shape (N + k + 2,).
         """
-        return near.tangent if "turning" in located.vectors else None
+        return near.tangent if located.data == SEMISIMPLE else None
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The coefficients, or what is special of one at which the angle turns back."""
-        if "turning" in located.vectors:
+        if located.data == SEMISIMPLE:
             return SEMISIMPLE, {}, TURNS_BACK
         return super().form(problem, located, sample)
 

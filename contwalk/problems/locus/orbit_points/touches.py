@@ -20,13 +20,12 @@ from contwalk.problems.hybrid.locating_limits import starting
 from contwalk.problems.hybrid.margin_values import at_entry
 from contwalk.problems.hybrid.margins import TOUCH_ENDS, TOUCH_STARTS, Limit
 from contwalk.problems.hybrid.soft_equations import SoftEquations
-from contwalk.problems.located import CROSSING
 from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_curves import Limits
 from contwalk.problems.locus.orbit_places import Held
 from contwalk.problems.locus.orbit_points.point import together
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.problem import Sample
+from contwalk.problems.problem import Located, Sample
 
 # A guard is zero where its leg begins, whatever the orbit, below this part of what typical changes make of
 # it.
@@ -101,10 +100,10 @@ def edge_system(problem: Any, sample: Sample, edge: Limit, which: int) -> Augmen
         held = [_held(without_rate, sample, further)]
     system = together(problem, sample, held, np.zeros(0))
 
-    def vectors(at: Any, y: np.ndarray) -> dict[str, Any]:
-        return {"limit": which, "seconds": float(y[n]), CROSSING: ()}
+    def described(found: Located, y: np.ndarray) -> Located:
+        return replace(found, limit=which, data=float(y[n]), crossing=())
 
-    return Augmented(system.evaluate, system.start, system.scale, vectors, in_units=True)
+    return Augmented(system.evaluate, system.start, system.scale, described, in_units=True)
 
 
 def _rates(orbit: Any, edge: Limit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -129,7 +128,7 @@ def _held(
     evaluate: Callable[[Any, np.ndarray], tuple[np.ndarray, np.ndarray]], sample: Sample, further: np.ndarray
 ) -> Held:
     """Equations of the orbit and the instant; `further` is its place, shape (1,)."""
-    return Held(Augmented(evaluate, sample.z, sample.weights, lambda there, y: {}, in_units=True), further)
+    return Held(Augmented(evaluate, sample.z, sample.weights, in_units=True), further)
 
 
 def _widened(matrix: np.ndarray, width: int) -> np.ndarray:

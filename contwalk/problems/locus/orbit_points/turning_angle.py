@@ -59,7 +59,7 @@ def turning_angle(problem: Any, sample: Sample, cosine: float) -> Located | None
     errors = np.abs(off * sample.tangent[-2:]) + known * sample.weights[-2:] + between[-2:]
     second, first = problem.plane.free[1], problem.plane.free[0]
     named = {first: float(errors[1]), second: float(errors[0])}
-    return Located(z, named[first], {"errors": named, "turning": True}, refined=True, problem=there)
+    return Located(z, named[first], SEMISIMPLE, refined=True, problem=there, errors=named)
 
 
 def _extremum(places: np.ndarray, values: np.ndarray) -> float | None:

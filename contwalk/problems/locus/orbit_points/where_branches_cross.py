@@ -57,23 +57,15 @@ class WhereBranchesCross(Crossing):
         held = [problem.condition, Held(crossing, np.array([width]))]
         system = together(problem, sample, held, np.zeros(1))
 
-        def vectors(at: Any, y: np.ndarray) -> dict[str, Any]:
-            return {"unfolds": unfolds(at.plane, y[:width], float(y[width]) * column)}
+        def described(found: Located, y: np.ndarray) -> Located | None:
+            moved = found.refined and unfolds(found.problem.plane, y[:width], float(y[width]) * column)
+            return None if moved else found
 
-        return replace(system, vectors=vectors)
+        return replace(system, described=described)
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The branch point of the curve near a sample; none where the equations would have to be others."""
-        found = OrbitLocusPoint.locate(self, problem, sample, which)
-        if found is None or found.refine is None:
-            return None
-        refine = found.refine
-
-        def refined() -> Located | None:
-            finer = refine()
-            return None if finer is None or finer.vectors["unfolds"] else finer
-
-        return replace(found, refine=refined)
+        return OrbitLocusPoint.locate(self, problem, sample, which)
 
     def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
         """That of the curve beside the point: at it two curves pass.

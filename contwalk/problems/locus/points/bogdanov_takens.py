@@ -10,7 +10,6 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.points.point import Form
-from contwalk.problems.located import CROSSING
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, DoubleZero
 from contwalk.problems.locus.curves import HOPF_POINTS
@@ -106,7 +105,7 @@ def _told(found: Located | None) -> Located | None:
     if found is None:
         return None
     refine = None if found.refine is None else lambda: _told(found.settled())
-    return replace(found, vectors={**found.vectors, CROSSING: True}, refine=refine)
+    return replace(found, crossing=(), refine=refine)
 
 
 class _Bare(LocusPoint):
@@ -134,8 +133,8 @@ class VanishingFrequency(BogdanovTakens):
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The coefficients a and b, where branches do not cross for good."""
-        crossing = CROSSING in located.vectors
-        return (KIND, None, {}, NO_DOUBLE_ZERO) if crossing else super().form(problem, located, sample)
+        bare = located.crossing is None
+        return super().form(problem, located, sample) if bare else (KIND, None, {}, NO_DOUBLE_ZERO)
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The square of the frequency, zero where it is less than what the solution is known to."""

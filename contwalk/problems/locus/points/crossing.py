@@ -184,7 +184,7 @@ class _Singular:
                 return None
             names = self.problem.free, str(self.problem.plane.second)
             errors = {name: float(found.errors[-2 - k]) for k, name in enumerate(names)}
-            return Located(found.values[:-1], float(found.errors[-2]), {"errors": errors}, found.refined)
+            return Located(found.values[:-1], float(found.errors[-2]), refined=found.refined, errors=errors)
 
         scale = np.append(self.weights, max(unfolding, 1e-300))
         system = DefiningSystem(scale, residual, jacobian, exactly)

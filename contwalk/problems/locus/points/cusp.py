@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from contwalk.branch import Outcome
@@ -30,7 +29,7 @@ class Cusp(LocusPoint):
         found = located_by(problem, problem.augmented, sample, [], quadratic)
         return better(sample, found, touched(problem, sample))
 
-    def ends_ahead(self, problem: Any, sample: Sample) -> Located | None:
+    def ends_ahead(self, problem: Any, sample: Sample) -> tuple[Located, Outcome] | None:
         """Where folds come to pitchforks: both parameters turn there, back along the same curve."""
         found = touched(problem, sample)
         settled = None if found is None or not is_pitchfork(problem, found, sample) else found.settled()
@@ -46,7 +45,7 @@ class Cusp(LocusPoint):
             f"The folds become pitchforks near {place}: what follows are their mirror images, at the same "
             "parameters. Nothing to do.",
         )
-        return replace(settled, vectors={**settled.vectors, "end": end})
+        return settled, end
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The cubic coefficient c."""

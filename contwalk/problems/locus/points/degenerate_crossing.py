@@ -24,7 +24,7 @@ from contwalk.problems.locus.normal_forms import cusp_coefficient, pitchfork_coe
 from contwalk.problems.locus.plane import FloatPlace, Place, Plane
 from contwalk.problems.locus.points.crossing import Crossing
 from contwalk.problems.locus.points.persisting import KIND, NOTE, branch_point, persists
-from contwalk.problems.locus.points.point import LocusPoint, located_by
+from contwalk.problems.locus.points.point import ConditionsMet, LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Test
 
 # A coefficient below this part of what it would naturally be is rounding of zero.
@@ -81,11 +81,10 @@ def touched(problem: Any, sample: Sample) -> Located | None:
     return None
 
 
-def is_pitchfork(problem: Any, located: Located, sample: Sample) -> bool:
+def is_pitchfork(problem: Any, located: Located[ConditionsMet], sample: Sample) -> bool:
     """Whether a point located on a curve of branch points, near a sample, is one of pitchforks."""
-    augmented: Augmented = located.vectors["augmented"]
-    z = problem.in_plane(located.z)
-    u = augmented.joined(z, located.vectors["own"])
+    augmented, z = located.data.augmented, problem.in_plane(located.z)
+    u = augmented.joined(z, located.data.own)
     weights = np.maximum(np.abs(u), 1.0)
     along = augmented.split(kernel_direction(augmented.values(u)[1], weights))[0]
     return are_pitchforks(problem.plane, z, along, problem.in_plane(sample.weights))
@@ -184,4 +183,4 @@ class CrossingOfFolds(Crossing):
 
     def tells_of(self, located: Located) -> bool:
         """Not of the pitchfork: that the cusp's function passes zero there says it already."""
-        return not ("augmented" in located.vectors and persists(located))
+        return not persists(located)

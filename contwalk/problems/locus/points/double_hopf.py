@@ -14,7 +14,7 @@ from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, Pair
 from contwalk.problems.locus.curves import HOPF_POINTS
 from contwalk.problems.locus.normal_forms import double_hopf_coefficients
-from contwalk.problems.locus.points.point import LocusPoint, born, located_by
+from contwalk.problems.locus.points.point import ConditionsMet, LocusPoint, born, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 # Coefficients of one amplitude of which one is less than this part of the other stand for none.
@@ -81,7 +81,7 @@ class DoubleHopf(LocusPoint):
         both = [float(point.coefficients[name]) for name in ("omega_1", "omega_2")]
         return 1j * max(both, key=lambda omega: abs(omega - held))
 
-    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+    def form(self, problem: Any, located: Located[ConditionsMet], sample: Sample) -> Form:
         """The cubic coefficients of both amplitudes."""
-        kappas = tuple(float(kappa) for kappa in located.vectors["own"])
-        return None, None, double_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappas), None
+        z = problem.in_plane(located.z)
+        return None, None, double_hopf_coefficients(problem.plane, z, located.data.own), None

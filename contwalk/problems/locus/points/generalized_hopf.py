@@ -13,7 +13,7 @@ from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import Critical
 from contwalk.problems.locus.normal_forms import bautin_coefficients, lyapunov_known, lyapunov_numerator
 from contwalk.problems.locus.plane import FloatPlace
-from contwalk.problems.locus.points.point import LocusPoint, located_by
+from contwalk.problems.locus.points.point import ConditionsMet, LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 
@@ -46,10 +46,9 @@ class GeneralizedHopf(LocusPoint):
         found: Sequence[Seed] = births.folds_of_cycles(problem, point)
         return found
 
-    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+    def form(self, problem: Any, located: Located[ConditionsMet], sample: Sample) -> Form:
         """The second Lyapunov coefficient, whose sign tells the criticality."""
-        kappa = float(located.vectors["own"][0])
-        numbers = bautin_coefficients(problem.plane, problem.in_plane(located.z), kappa)
+        numbers = bautin_coefficients(problem.plane, problem.in_plane(located.z), located.data.own[0])
         criticality = (
             "supercritical" if numbers["l2"] < 0.0 else "subcritical" if numbers["l2"] > 0.0 else None
         )

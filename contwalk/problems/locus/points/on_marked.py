@@ -9,7 +9,7 @@ from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.conditions import Augmented, Pair, Zero
 from contwalk.problems.locus.normal_forms import hopf_coefficients
-from contwalk.problems.locus.points.point import LocusPoint, located_by
+from contwalk.problems.locus.points.point import ConditionsMet, LocusPoint, located_by
 from contwalk.problems.problem import Located, Sample, Test
 
 
@@ -52,10 +52,9 @@ class HopfOnIt(LocusPoint):
         """i omega."""
         return 1j * float(point.coefficients["omega"])
 
-    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+    def form(self, problem: Any, located: Located[ConditionsMet], sample: Sample) -> Form:
         """The first Lyapunov coefficient, and the side to which cycles are born."""
-        kappa = float(located.vectors["own"][-1])
-        numbers = hopf_coefficients(problem.plane, problem.in_plane(located.z), kappa)
+        numbers = hopf_coefficients(problem.plane, problem.in_plane(located.z), located.data.own[-1])
         criticality = (
             "supercritical" if numbers["l1"] < 0.0 else "subcritical" if numbers["l1"] > 0.0 else None
         )

@@ -16,7 +16,7 @@ from contwalk.numerics.linear import deficiency
 from contwalk.problems.locus.branch_points import PERSISTS, BranchPoint
 from contwalk.problems.locus.branch_points import branch_point as near
 from contwalk.problems.locus.curves import BRANCH_POINTS, FOLDS
-from contwalk.problems.locus.points.point import born
+from contwalk.problems.locus.points.point import ConditionsMet, born
 from contwalk.problems.problem import Located, Sample, Seed
 
 # How near to the creeping solution the regular one is, in typical magnitudes.
@@ -48,7 +48,8 @@ def better(sample: Sample, found: Located | None, crossing: Located | None) -> L
 
 def persists(located: Located) -> bool:
     """Whether a point was located by a branch point's condition."""
-    return any(isinstance(condition, BranchPoint) for condition in located.vectors["augmented"].conditions)
+    met = located.data.augmented.conditions if isinstance(located.data, ConditionsMet) else ()
+    return any(isinstance(condition, BranchPoint) for condition in met)
 
 
 def zeros_born(problem: Any, point: SpecialPoint) -> list[Seed]:

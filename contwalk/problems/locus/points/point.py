@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,14 +27,21 @@ NOTHING = 16.0
 BORN_BESIDE = 1e-2
 
 
+@dataclass(frozen=True)
+class ConditionsMet:
+    """What a point of a curve was located by: conditions, and their own unknowns there."""
+
+    augmented: Augmented
+    own: Sequence[float]
+
+
 class LocusPoint(EquilibriumPoint):
     """A kind of special point of curves of equilibria."""
 
     def errors(self, problem: Any, located: Located, sample: Sample) -> dict[str, float]:
         """Estimated errors of both parameters; where nothing else tells them, those of the curve there."""
-        told = located.vectors.get("errors")
-        if told:
-            return dict(told)
+        if located.errors:
+            return dict(located.errors)
         known = np.nan_to_num(sample.error, posinf=1.0) * sample.weights
         first, second = float(located.error), float(max(known[-2], np.spacing(abs(located.z[-2]))))
         return {problem.free: first, str(problem.plane.second): second}
@@ -100,9 +108,8 @@ def located_by(
             return None
         errors = {problem.free: float(found.errors[-1]), str(plane.second): float(found.errors[-2])}
         kept = there[: problem.curve.own] if count else np.zeros(problem.curve.own)
-        vectors = {"errors": errors, "own": there, "augmented": augmented}
-        place = np.concatenate([z[:size], kept, z[size:]])
-        return Located(place, float(found.errors[-1]), vectors, found.refined)
+        place, met = np.concatenate([z[:size], kept, z[size:]]), ConditionsMet(augmented, there.tolist())
+        return Located(place, float(found.errors[-1]), met, found.refined, errors=errors)
 
     return solve(system, start, described, augmented.unfoldings)
 

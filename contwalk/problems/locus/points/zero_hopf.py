@@ -17,7 +17,7 @@ from contwalk.problems.locus.curves import FOLDS, HOPF_POINTS
 from contwalk.problems.locus.normal_forms import zero_hopf_coefficients
 from contwalk.problems.locus.points.crossing import NO_DOUBLE_ZERO, Crossing, at_zero, located_by_units
 from contwalk.problems.locus.points.persisting import KIND, NOTE, better, branch_point, persists
-from contwalk.problems.locus.points.point import LocusPoint, born, located_by
+from contwalk.problems.locus.points.point import ConditionsMet, LocusPoint, born, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 
@@ -42,9 +42,9 @@ class ZeroHopf(LocusPoint):
         found = located_by(problem, both, sample, [kappa], positive=True)
         return better(sample, found, _where_curves_cross(problem, sample, kappa))
 
-    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+    def form(self, problem: Any, located: Located[ConditionsMet], sample: Sample) -> Form:
         """s, theta and the sign of E."""
-        kappa = float(located.vectors["own"][0])
+        kappa = located.data.own[0]
         numbers = zero_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappa)
         return (KIND, None, numbers, NOTE) if persists(located) else (None, None, numbers, None)
 
@@ -115,9 +115,9 @@ class PairOnBranchPoint(PairOnFold):
         own = [problem.own(sample.z), kappa]
         return located_by(problem, Augmented(plane, conditions), sample, own, positive=True)
 
-    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+    def form(self, problem: Any, located: Located[ConditionsMet], sample: Sample) -> Form:
         """The frequency: the normal form is that of the symmetry."""
-        omega = float(located.vectors["own"][-1]) ** 0.5
+        omega = located.data.own[-1] ** 0.5
         note = "no normal form: that of zero-Hopf points is not the one at branch points"
         return None, None, {"omega": omega}, note
 
@@ -166,8 +166,8 @@ class ZeroWhereCurvesCross(Crossing):
             return replace(record, label="BT", kind=KIND, note=NO_DOUBLE_ZERO)
         if not kappa > 0.0:
             return super().describe(problem, located, sample, s)
-        vectors = {**located.vectors, "own": np.array([kappa]), "augmented": problem.augmented}
-        record = ZeroOnHopf().describe(problem, replace(located, vectors=vectors), sample, s)
+        met = ConditionsMet(problem.augmented, [kappa])
+        record = ZeroOnHopf().describe(problem, replace(located, data=met), sample, s)
         return replace(record, kind=KIND, note=NOTE)
 
     def has(self, point: SpecialPoint) -> bool:

@@ -6,6 +6,7 @@ A further unknown is an unfolding mu b of F, which is zero where the point is on
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -46,7 +47,7 @@ class BranchPoint(OrbitPoint):
 
     def form_of_pair(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """As `form`; coefficients up to a common factor, and no criticality."""
-        if located.vectors.get("returned_to_parent"):
+        if located.returned_to_parent:
             return None, None, {}, PAIR
         c = normal_forms.branch_point(problem.return_map(located.z), float(sample.weights[-1]))
         largest = max(abs(c[name]) for name in BRANCHING)
@@ -69,11 +70,10 @@ class BranchPoint(OrbitPoint):
 def _branch_point(problem: OrbitData, located: Located, sample: Sample) -> Form:
     weight = float(sample.weights[-1])
     c = known(problem, located, sample, "c", lambda map_: normal_forms.branch_point(map_, weight))
-    returned_to_parent = bool(located.vectors.get("returned_to_parent"))
-    if c["c11"] != 0.0 and not returned_to_parent:
+    if c["c11"] != 0.0 and not located.returned_to_parent:
         return "transcritical", None, c, None
     criticality, vanishes = criticality_of(c["c"], c.get("c_error"), negligible(problem, located, 1.0))
-    if returned_to_parent:  # no coefficients: nothing leaves here that the parent's own point does not tell
+    if located.returned_to_parent:  # what leaves here the parent's own point tells, with its coefficients
         return "pitchfork", criticality, {}, "; ".join(filter(None, (FALLEN_BACK, vanishes)))
     return "pitchfork", criticality, c, vanishes
 
@@ -108,8 +108,10 @@ def _crossing(problem: OrbitData, sample: Sample) -> Augmented:
         residual = there.linearize(z).residual + mu * b * rows
         return np.concatenate([residual, -g]), matrix
 
-    def vectors(there: OrbitData, y: np.ndarray) -> dict:
-        vs, psi, _, _ = scaled(there, y[: size + 1])
-        return {"plane": vs, "left": psi, "unfolding": float(y[-1])}
+    def described(found: Located, y: np.ndarray) -> Located:
+        there, z = found.problem, found.z
+        vs, psi, _, _ = scaled(there, z)
+        back = found.refined and there.returned_to_parent(z, sample.tangent)
+        return replace(found, data=branching.NullVectors(vs, psi), returned_to_parent=back)
 
-    return Augmented(evaluate, np.append(sample.z, 0.0), np.append(sample.weights, 1.0), vectors)
+    return Augmented(evaluate, np.append(sample.z, 0.0), np.append(sample.weights, 1.0), described)

@@ -7,6 +7,8 @@ the solution of F = 0 and that multiplier = 1, along the branch.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.problems.orbit import normal_forms, variations
@@ -68,8 +70,10 @@ def fold_system(problem: OrbitData, near: Near) -> Augmented:
         place = np.append(z[:size], second)
         return *found, np.concatenate(variations.by_parameter(across, place, psi[None, None], [v]))
 
-    def vectors(there: OrbitData, z: np.ndarray) -> dict:
-        v, psi, _ = scaled(there, z)
-        return {"right": v, "left": psi}
+    def critical(there: OrbitData, z: np.ndarray) -> np.ndarray:
+        return scaled(there, z)[0]
 
-    return Augmented(evaluate, near.z, near.weights, vectors, in_plane=in_plane)
+    def described(found: Located, z: np.ndarray) -> Located:
+        return replace(found, critical=critical(found.problem, z))
+
+    return Augmented(evaluate, near.z, near.weights, described, in_plane=in_plane, critical=critical)

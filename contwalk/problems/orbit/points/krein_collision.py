@@ -36,7 +36,7 @@ class KreinCollision(OrbitPoint):
 
     def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """The angle at which the pairs meet."""
-        theta = abs(float(np.angle(sample.eigenvalues[int(located.vectors["which"])])))
+        theta = abs(float(np.angle(sample.eigenvalues[located.which])))
         return None, None, {"theta": theta, "rotation_number": theta / (2.0 * np.pi), "pairs": 2}, NOTE
 
     def has(self, point: SpecialPoint) -> bool:

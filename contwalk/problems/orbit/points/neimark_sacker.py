@@ -5,6 +5,8 @@ theta is a further unknown.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.branch import SpecialPoint
@@ -34,7 +36,7 @@ class NeimarkSacker(OrbitPoint):
         """A pair of multipliers at exp(+-i theta)."""
         return _torus(problem, sample, which)
 
-    def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
+    def form(self, problem: OrbitData, located: Located[float], sample: Sample) -> Form:
         """The cubic coefficient, and the side on which tori are, if it is no strong resonance."""
         return _form(problem, located, sample)
 
@@ -43,8 +45,8 @@ class NeimarkSacker(OrbitPoint):
         return complex(np.exp(1j * float(point.coefficients["theta"])))
 
 
-def _form(problem: OrbitData, located: Located, sample: Sample) -> Form:
-    theta = float(located.vectors["theta"])
+def _form(problem: OrbitData, located: Located[float], sample: Sample) -> Form:
+    theta = located.data
     resonance = _resonance(theta)
     if resonance is not None:
         note = f"strong resonance {resonance}: the normal form is another one"
@@ -93,8 +95,7 @@ def _torus(problem: OrbitData, sample: Sample, which: int, modulus: float = 1.0)
         matrix[size, -1], matrix[size + 1, -1] = turning.real, turning.imag
         return np.concatenate([there.linearize(z).residual, [g.real, g.imag]]), matrix
 
-    def vectors(there: OrbitData, y: np.ndarray) -> dict:
-        v, psi, _, _ = scaled(there, y)
-        return {"right": v, "left": psi, "multiplier": modulus * np.exp(1j * y[-1]), "theta": float(y[-1])}
+    def described(found: Located, y: np.ndarray) -> Located:
+        return replace(found, data=float(y[-1]))
 
-    return Augmented(evaluate, np.append(sample.z, theta), np.append(sample.weights, 1.0), vectors)
+    return Augmented(evaluate, np.append(sample.z, theta), np.append(sample.weights, 1.0), described)

@@ -136,8 +136,4 @@ def flip_system(problem: OrbitData, near: Near) -> Augmented:
         place = np.append(z[:size], second)
         return *found, np.concatenate(variations.by_parameter(across, place, psi[None, None], [v]))
 
-    def vectors(there: OrbitData, z: np.ndarray) -> dict:
-        v, psi, _ = scaled(there, z[: size + 1])
-        return {"right": v, "left": psi, "multiplier": -1.0}
-
-    return Augmented(evaluate, near.z, near.weights, vectors, in_plane=in_plane)
+    return Augmented(evaluate, near.z, near.weights, in_plane=in_plane)

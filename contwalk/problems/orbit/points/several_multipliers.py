@@ -11,6 +11,8 @@ point the unfoldings m are zero, and all of G is.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.branch import SpecialPoint
@@ -32,12 +34,6 @@ class SeveralMultipliers(OrbitPoint):
         count = int(np.sum(np.abs(sample.eigenvalues - 1.0) < MEET))
         moves = abs(sample.tangent[-1]) > MEET * sample.weights[-1]
         return _singular_on_space(problem, sample, count) if count > 1 and moves else None
-
-    def locate(self, problem: OrbitData, sample: Sample, which: int) -> Located | None:
-        """The point near a sample at which all of them are one."""
-        found = super().locate(problem, sample, which)
-        zeros = () if found is None else (found.vectors["corner"], found.vectors["unfoldings"])
-        return None if any(np.abs(each).max() > MEET**2 for each in zeros) else found
 
     def tangent(self, problem: OrbitData, located: Located, near: Sample) -> np.ndarray | None:
         """Only continuity tells: that of `near`, shape (N + 1,)."""
@@ -78,9 +74,9 @@ def _singular_on_space(problem: OrbitData, near: Sample, count: int) -> Augmente
         apart = held @ (z[:size] - near.z[:size] - (z[-1] - near.z[-1]) * along)
         return np.concatenate([lin.residual + added @ unfoldings, apart, [corner.trace()]]), matrix
 
-    def vectors(there: OrbitData, y: np.ndarray) -> dict:
-        corner = scaled(there, y[: size + 1])[2]
-        return {"corner": corner, "unfoldings": y[size + 1 :], "multiplicity": count}
+    def described(found: Located, y: np.ndarray) -> Located | None:
+        zeros = np.append(scaled(found.problem, found.z)[2], y[size + 1 :])
+        return None if np.abs(zeros).max() > MEET**2 else replace(found, multiplicity=count)
 
     scale = np.append(near.weights, np.ones(count))
-    return Augmented(evaluate, np.append(near.z, np.zeros(count)), scale, vectors)
+    return Augmented(evaluate, np.append(near.z, np.zeros(count)), scale, described)
