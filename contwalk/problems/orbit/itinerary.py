@@ -158,14 +158,17 @@ class Itinerary:
         return not rest and times % 2 == 1 and self.legs == alternating
 
     def has_halves(self, system: System) -> bool:
-        """Whether the second half is the first one again, or its image."""
-        half, rest = divmod(len(self), 2)
-        if rest or self.image or not self.eventful:
+        """Whether the second half is the first one again, or its image.
+
+        It may begin within a leg, which then goes on until it has begun again.
+        """
+        half = len(self) // 2
+        part, second, rest = self.legs[:half], self.legs[half : 2 * half], self.legs[2 * half :]
+        if self.image or not half or any(leg.transition or leg.mode != part[0].mode for leg in rest):
             return False
         images = [s.name for s in system.symmetries if s.role == "spatial"]
-        part = self.legs[:half]
         return any(
-            self.legs[half:] == (tuple(imaged_leg(system, name, leg) for leg in part) if name else part)
+            second == (tuple(imaged_leg(system, name, leg) for leg in part) if name else part)
             for name in ("", *images)
         )
 

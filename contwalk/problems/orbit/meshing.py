@@ -40,7 +40,7 @@ def meshed(
     parts: int = 1,
     *,
     closure: bool = False,
-    alike: bool = False,
+    alike: np.ndarray | None = None,
 ) -> Mesh:
     """Steps on which each segment, and a generic neighbour of it, are integrated to a tolerance.
 
@@ -58,8 +58,9 @@ def meshed(
         Of a closure that is one leg: its steps are made alike in so many parts.
     closure : bool
         The segments are those of one leg in times of the closure. Segments of legs are in times of their own.
-    alike : bool
-        The second half of the legs repeats the first, or its image: steps are made the same in both.
+    alike : ndarray, shape (legs,), optional
+        Durations of legs of which the second half repeats the first, or its image: steps are made the same in
+        both.
 
     Raises
     ------
@@ -93,10 +94,12 @@ def meshed(
     return Mesh(steps, chosen, tolerance, variation, magnitudes, reason, grown=grown, amplified=amplified)
 
 
-def _repeated(steps: list[np.ndarray], parts: int, closure: bool, alike: bool) -> tuple[np.ndarray, ...]:
+def _repeated(
+    steps: list[np.ndarray], parts: int, closure: bool, alike: np.ndarray | None
+) -> tuple[np.ndarray, ...]:
     """Steps made the same where the motion repeats itself, or its image; see `meshed`."""
-    if alike:
-        steps = _alike_in_halves(steps)
+    if alike is not None:
+        steps = _alike_in_halves(steps, alike)
     if parts > 1:
         steps = list(repeating(steps, parts)) if closure else _alike(steps, parts)
     return tuple(steps)
@@ -125,11 +128,25 @@ def most_steps(mesh: Mesh | None, tolerance: float) -> int:
     return min(max(LEAST_MOST, int(MANY_TIMES * finer * longest)), MOST_STEPS)
 
 
-def _alike_in_halves(steps: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Steps of legs of which the second half repeats the first: of both the more ones."""
+def _alike_in_halves(steps: Sequence[np.ndarray], durations: np.ndarray) -> list[np.ndarray]:
+    """Steps of legs of which the second half repeats the first: of both the more ones.
+
+    Of an orbit that begins within a leg the one in the middle is the last one, and then the first one.
+    """
     half = len(steps) // 2
-    longer = [max(pair, key=len) for pair in zip(steps[:half], steps[half:], strict=True)]
-    return longer + longer
+    if not len(steps) % 2:
+        longer = [max(pair, key=len) for pair in zip(steps[:half], steps[half:], strict=True)]
+        return longer + longer
+    if len(steps) != len(durations):  # legs that are cut are not cut alike
+        return list(steps)
+    share = durations[-1] / (durations[0] + durations[-1])
+    middle = steps[half]
+    ends = np.append(middle[middle < share] / share, 1.0), (middle[middle > share] - share) / (1.0 - share)
+    last = max(steps[-1], ends[0], key=len)
+    first = max(steps[0], np.append(0.0, ends[1]), key=len)
+    longer = [max(pair, key=len) for pair in zip(steps[1:half], steps[half + 1 : -1], strict=True)]
+    both = np.concatenate([share * last, share + (1.0 - share) * first[1:-1], [1.0]])
+    return [first, *longer, both, *longer, last]
 
 
 def _alike(steps: Sequence[np.ndarray], parts: int) -> list[np.ndarray]:

@@ -69,7 +69,7 @@ def mesh_for(orbit: Kind, z: np.ndarray, weights: np.ndarray, tolerance: float) 
             orbit.discretization.integrator(tolerance),
             orbit.parts,
             closure=orbit.in_closure,
-            alike=orbit.itinerary.has_halves(orbit.system),
+            alike=z[orbit.layout.durations] if orbit.itinerary.has_halves(orbit.system) else None,
         )
     except NotFinite:
         if orbit.itinerary.eventful:  # guesses of durations may send legs anywhere, for very many steps
