@@ -226,13 +226,15 @@ def imaged_leg(system: System, image: str, leg: Leg) -> Leg:
 
 
 def image_of(system: System, symmetry: Symmetry, leg: Leg) -> Leg:
-    """What a symmetry takes a leg to."""
+    """What a symmetry takes a leg to. Its guard may rise where that of the leg falls."""
     mode = symmetry.modes.get(leg.mode, leg.mode)
     if leg.transition is None:
         return replace(leg, mode=mode)
     source = leg.transition.source  # not the leg's mode where soft transitions lead from one to the other
     name, out_of = symmetry.events.get(leg.name, leg.name), symmetry.modes.get(source, source)
-    return replace(leg, mode=mode, transition=system.transition(name, out_of))
+    transition = system.transition(name, out_of)
+    falls = {"falling": True, "rising": False}.get(transition.direction, leg.falls)
+    return replace(leg, mode=mode, transition=transition, falls=falls)
 
 
 def stored_leg(leg: Leg) -> list[str | bool]:
