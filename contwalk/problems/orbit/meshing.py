@@ -133,20 +133,22 @@ def _alike_in_halves(steps: Sequence[np.ndarray], durations: np.ndarray) -> list
 
     Of an orbit that begins within a leg the one in the middle is the last one, and then the first one.
     """
-    half = len(steps) // 2
-    if not len(steps) % 2:
-        longer = [max(pair, key=len) for pair in zip(steps[:half], steps[half:], strict=True)]
-        return longer + longer
-    if len(steps) != len(durations):  # legs that are cut are not cut alike
+    each, rest = divmod(len(steps), len(durations))
+    if not len(durations) % 2:
+        each = 0
+    elif rest:  # one that lasts no time is not cut as the others are
         return list(steps)
-    share = durations[-1] / (durations[0] + durations[-1])
-    middle = steps[half]
-    ends = np.append(middle[middle < share] / share, 1.0), (middle[middle > share] - share) / (1.0 - share)
-    last = max(steps[-1], ends[0], key=len)
-    first = max(steps[0], np.append(0.0, ends[1]), key=len)
-    longer = [max(pair, key=len) for pair in zip(steps[1:half], steps[half + 1 : -1], strict=True)]
-    both = np.concatenate([share * last, share + (1.0 - share) * first[1:-1], [1.0]])
-    return [first, *longer, both, *longer, last]
+    half = (len(steps) - each) // 2
+    first, own, middle = steps[:each], steps[each:half], steps[half : half + each]
+    again, last = steps[half + each : len(steps) - each], steps[len(steps) - each :]
+    longer = [max(pair, key=len) for pair in zip(own, again, strict=True)]
+    if each:
+        share = durations[-1] / (durations[0] + durations[-1])
+        pieces = (last, 0.0, share), (first, share, 1.0 - share), (middle, 1.0, 1.0)
+        times = [0.5 * (at + of * (i + x) / each) for part, at, of in pieces for i, x in enumerate(part)]
+        alike = [(x - x[0]) / (x[-1] - x[0]) for x in repeating(times, 2)]
+        last, first, middle = alike[:each], alike[each : 2 * each], alike[2 * each :]
+    return [*first, *longer, *middle, *longer, *last]
 
 
 def _alike(steps: Sequence[np.ndarray], parts: int) -> list[np.ndarray]:
