@@ -28,7 +28,6 @@ class _Comparable(Problem, Protocol):
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, by name."""
-        ...
 
 
 class _Imaged(_Comparable, Protocol):
@@ -36,7 +35,6 @@ class _Imaged(_Comparable, Protocol):
 
     def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:
         """Image of a solution under a declared symmetry."""
-        ...
 
 
 class _Closed(_Comparable, Protocol):
@@ -49,23 +47,18 @@ class _Closed(_Comparable, Protocol):
     @property
     def whole(self) -> tuple[str, int]:
         """How the orbit closes, and how many closures its period has."""
-        ...
 
     def duration(self, z: np.ndarray) -> float:
         """Duration of the closure, seconds."""
-        ...
 
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
-        ...
 
     def first_state(self, z: np.ndarray) -> np.ndarray:
         """The state at the start, shape (n,)."""
-        ...
 
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray], error: float = 0.0) -> int | None:
         """Number of the first of some states that the orbit of z passes; None if it passes none."""
-        ...
 
 
 # Solutions nearer than this, in the metric, are the same one: far above the corrector's error, far below a

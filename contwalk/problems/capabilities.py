@@ -76,19 +76,15 @@ class Observed(Protocol):
     @property
     def observable_names(self) -> tuple[str, ...]:
         """Names of the observables, in the order of `Sample.observables`."""
-        ...
 
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state that stands for a solution, shape (n,)."""
-        ...
 
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
         """The point near a sample at which an observable has the value `level`."""
-        ...
 
     def rate(self, name: str, sample: Sample) -> float:
         """Derivative of an observable along the branch."""
-        ...
 
 
 class Diagnosis(Protocol):
@@ -96,7 +92,6 @@ class Diagnosis(Protocol):
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions, if it does."""
-        ...
 
     def end_functions(self, sample: Sample) -> tuple[float, ...]:
         """Functions that are positive beyond an end that `ended` tells, whose zeros are the end; none where
@@ -106,7 +101,6 @@ class Diagnosis(Protocol):
 
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z is not finite. z has the shape (N + 1,)."""
-        ...
 
     def obstacle(self, z: np.ndarray) -> str:
         """What makes solutions beside z hard to find, and what helps; empty if nothing is known of that.
@@ -128,7 +122,6 @@ class Diagnosis(Protocol):
 
         Both have the shape (N + 1,).
         """
-        ...
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Where the equations are smooth by pieces only: between two solutions, or on the second one."""
@@ -147,25 +140,21 @@ class Equivalence(Protocol):
 
         All have the shape (N + 1,).
         """
-        ...
 
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one."""
-        ...
 
     def asymmetries(self, z: np.ndarray) -> Mapping[str, float]:
         """How far a solution, shape (N + 1,), is from symmetries that a parent of its branch may have.
 
         In units of its own range, by name.
         """
-        ...
 
     def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
         """Whether the second of two neighbours, shape (N + 1,), has a symmetry that the first has not.
 
         Then a step from one to the other has gone over to the branch that theirs left.
         """
-        ...
 
     def keeps_symmetry(self, point: np.ndarray, guess: np.ndarray, z: np.ndarray) -> bool:
         """Whether a solution beside a branch point has a symmetry that the guess of it has not, or neither is
@@ -173,11 +162,9 @@ class Equivalence(Protocol):
 
         Then the first step of a branch has not left its parent. All have the shape (N + 1,).
         """
-        ...
 
     def mirror(self, sample: Sample) -> Mirror | None:
         """What takes one half of the branch that leaves a solution to the other, if a symmetry does."""
-        ...
 
 
 class Mirror(Protocol):
@@ -186,27 +173,21 @@ class Mirror(Protocol):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the symmetries in the order in which they are applied."""
-        ...
 
     def refuses(self, point: SpecialPoint) -> str:
         """Why the image of a special point has to be located itself; empty where it has not."""
-        ...
 
     def row(self, row: np.void, before: np.void, last: np.void) -> np.ndarray | None:
         """The stored image of a stored solution, shape (1,); None if it does not solve the equations.
 
         `before` is the regular row from which the walk stepped to it, and `last` that row's image.
         """
-        ...
 
     def sample(self, row: np.void) -> Sample:
         """Place and metric of a stored solution, as a sample that tells no more."""
-        ...
 
     def margin(self, row: np.void) -> Mapping[str, float]:
         """What must stay positive on an image, by name."""
-        ...
 
     def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
         """The image of a special point, whose row is given; `last` as of `row`."""
-        ...

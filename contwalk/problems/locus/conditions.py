@@ -41,7 +41,6 @@ class Told(Protocol):
     @property
     def values(self) -> tuple[Any, ...]:
         """The numbers that vanish where the condition holds."""
-        ...
 
 
 class Condition(Protocol):
@@ -54,24 +53,19 @@ class Condition(Protocol):
     @property
     def unknowns(self) -> int:
         """How many unknowns of its own it has."""
-        ...
 
     @property
     def unfolding(self) -> np.ndarray | None:
         """By what F is moved as its own unknown grows, shape (N,); None where F does not know it."""
-        ...
 
     def told(self, place: Place, own: Any) -> Any:
         """Its values at a place, with what they were computed with."""
-        ...
 
     def gradients(self, place: Place, told: Any, own: Any) -> np.ndarray:
         """Derivatives of c values by z and its own unknown, shape (c, N + 2) or (c, N + 3)."""
-        ...
 
     def levels(self, place: FloatPlace, told: Any, own: float) -> np.ndarray:
         """Rounding of its values, shape (c,)."""
-        ...
 
 
 class _Eigenvalue:

@@ -68,12 +68,10 @@ class Near(Protocol):
     @property
     def z(self) -> np.ndarray:
         """The unknowns. Shape (N + 1,)."""
-        ...
 
     @property
     def weights(self) -> np.ndarray:
         """Typical magnitudes. Shape (N + 1,)."""
-        ...
 
 
 @dataclass(frozen=True)
