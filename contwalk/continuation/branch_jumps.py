@@ -135,12 +135,8 @@ def _from_both_ends(problem: Problem, arc: HermiteCurve) -> list[_Middle | None]
 def _across(problem: Problem, arc: HermiteCurve, guess: np.ndarray) -> _Middle | None:
     """The solution near a guess in the plane across an arc's middle; None where none is found."""
     found = correct(problem, guess, arc.normal, arc.weights)
-    if not found.ok or found.linearization is None:
-        return None
-    try:
-        return _Middle(found.z, found.linearization.tangent(arc.normal, arc.weights))
-    except np.linalg.LinAlgError:
-        return None
+    tangent = found.tangent(arc.normal, arc.weights)
+    return None if tangent is None else _Middle(found.z, tangent)
 
 
 def _parts(arc: HermiteCurve, middle: _Middle) -> tuple[HermiteCurve, HermiteCurve]:

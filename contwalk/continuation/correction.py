@@ -51,6 +51,18 @@ class Correction:
         """Whether z is a solution."""
         return not self.reason
 
+    def tangent(self, normal: np.ndarray, weights: np.ndarray) -> np.ndarray | None:
+        """The branch's tangent at the solution, shape (N + 1,) as the normal and the weights.
+
+        None where there is no solution, or where its tangent is not determined, as at a branch point.
+        """
+        if not self.ok or self.linearization is None:
+            return None
+        try:
+            return self.linearization.tangent(normal, weights)
+        except np.linalg.LinAlgError:
+            return None
+
     @property
     def effort(self) -> float:
         """How many corrections lead from the guess to the rounding unit, as a real number.

@@ -106,5 +106,5 @@ def undecided(segment: Segment, kind: PointType, theta: float, known: Callable[[
     ends = segment.a, segment.b
     sides = next((sides for sides in _beside(segment, theta) if all(map(known, sides))), ends)
     first, last = sorted(side.parameter for side in sides)
-    counts = {"before": segment.a.unstable, "after": segment.a.unstable, "counted": True}
-    return unlocated(theta, kind, segment.at(theta), last - first, DOUBTFUL.format(first, last), **counts)
+    note, count = DOUBTFUL.format(first, last), segment.a.unstable
+    return replace(unlocated(theta, kind, segment.at(theta), last - first, note, count, count), counted=True)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
@@ -163,10 +164,6 @@ def _alike(a: Limit, b: Limit) -> bool:
     return a.name == b.name or (a.type is b.type and a.type.shared)
 
 
-class _Jumps(Exception):
-    """A margin changes its sign without passing zero."""
-
-
 def _located(
     segment: Segment, which: int, first: float, last: float, earlier: Sequence[Found], low: float = 0.0
 ) -> Found | None:
@@ -191,7 +188,7 @@ def _located(
 
     tried = np.inf  # width of the bracket when the equations were last tried, in vain
 
-    def attempt(theta: float, left: float, right: float) -> Found | None:
+    def attempt(theta: float, left: float, right: float) -> Found | Literal["jumps"] | None:
         nonlocal tried
         # Beyond one, there is no such instant, or it is far from the limit.
         if abs(around[theta]) < 1.0 and right - left < 0.2 * tried:
@@ -201,9 +198,8 @@ def _located(
                 return found
         change = abs(around[left] - around[right])
         # One that is rounded has no sign: to another one within that it is no jump.
-        if right - left < NARROW and change > max(JUMPS * max(abs(first), abs(last)), 2.0 * ROUNDED):
-            raise _Jumps
-        return None
+        jumps = right - left < NARROW and change > max(JUMPS * max(abs(first), abs(last)), 2.0 * ROUNDED)
+        return "jumps" if jumps else None
 
     if max(abs(first), abs(last)) < 1.0:
         # Most margins are nearly straight between two solutions: where that puts the limit is near enough for
@@ -214,14 +210,11 @@ def _located(
         found = accepted(segment, kind, guess, which, low, 1.0, known)
         if found is not None:
             return found
-    try:
-        found = narrow(value, low, 1.0, first, last, attempt, width=NARROWEST)
-    except _Jumps:
+    met = narrow(value, low, 1.0, first, last, attempt, width=NARROWEST)
+    if met == "jumps" or (met is None and _jumped(around)):
         return None
-    if found is not None:
-        return found
-    if _jumped(around):
-        return None
+    if met is not None:
+        return met
     raise Disagreement(kind, f"'{limits[which].name}' passes its limit, but cannot be located.")
 
 

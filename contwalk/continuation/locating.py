@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -59,10 +58,11 @@ class Found:
 
 
 def unlocated(
-    theta: float, kind: PointType, sample: Sample, width: float, note: str, **further: Any
+    theta: float, kind: PointType, sample: Sample, width: float, note: str, before: int = 0, after: int = 0
 ) -> Found:
     """What is detected at a solution and cannot be located, with the parameter known to a width."""
-    return Found(theta, kind, Located(sample.z, width), sample, kind="unlocated", note=note, **further)
+    located: Located = Located(sample.z, width)
+    return Found(theta, kind, located, sample, before, after, "unlocated", note=note)
 
 
 class Disagreement(Exception):
@@ -110,47 +110,32 @@ def accepted(
     `known` is asked whether what lies at a position has been found already, before more is spent on it.
     """
     try:
-        return _accepted(segment, kind, near, which, left, right, known)
+        located = kind.locate(segment.problem, near, which)
+        if located is None:
+            return None
+        theta = segment.position(located.z)
+        # Where equations are exact so is the place: what lies beside the bracket is not of it.
+        slack = ROUNDING / segment.length + (1e-3 * (right - left) if segment.problem.meshed else 1e-12)
+        if kind.test is Test.ORIENTATION and segment.problem.meshed is not None:
+            slack += _blurred(segment, DOUBTED)
+        if not left - slack <= theta <= right + slack:
+            return None
+        # The point may be an end of the segment, to rounding: it is never placed beyond it.
+        inside = min(max(theta, 0.0), 1.0)
+        # Right at a branch point a sample's own tangent is noise; the ends of the segment know the way.
+        near = replace(near, tangent=segment.direction(inside))
+        if not _on_branch(segment, kind, located, near, theta, right - left):
+            return None
+        if known is not None and (found := known(located, theta)) is not None:
+            return found
+        settled = located.settled()
+        # Finer steps may have led to another point than the one that was found on the segment's own.
+        reach = segment.length + WELL_BEYOND * known_to(segment)
+        if settled is None or norm_in(settled.z - located.z, segment.weights) > reach:
+            return None
+        return Found(inside, kind, settled, sample_at(segment, kind, settled, near))
     except (NotFinite, np.linalg.LinAlgError):  # as if its equations had no solution there
         return None
-
-
-def _accepted(
-    segment: Segment,
-    kind: PointType,
-    near: Sample,
-    which: int,
-    left: float,
-    right: float,
-    known: Callable[[Located, float], Found | None] | None,
-) -> Found | None:
-    located = kind.locate(segment.problem, near, which)
-    if located is None:
-        return None
-    theta = segment.position(located.z)
-    # Where equations are exact so is the place: what lies beside the bracket is not of it.
-    slack = ROUNDING / segment.length + (1e-3 * (right - left) if segment.problem.meshed else 1e-12)
-    if kind.test is Test.ORIENTATION and segment.problem.meshed is not None:
-        slack += _blurred(segment, DOUBTED)
-    if not left - slack <= theta <= right + slack:
-        return None
-    # Right at a branch point a sample's own tangent is noise; the ends of the segment know the way.
-    near = replace(near, tangent=segment.direction(min(max(theta, 0.0), 1.0)))
-    if not _on_branch(segment, kind, located, near, theta, right - left):
-        return None
-    if known is not None and (found := known(located, theta)) is not None:
-        return found
-    settled = located.settled()
-    if settled is None or _far_from(segment, settled, located):
-        return None
-    # The point may be an end of the segment, to rounding: it is never placed beyond it.
-    return Found(min(max(theta, 0.0), 1.0), kind, settled, sample_at(segment, kind, settled, near))
-
-
-def _far_from(segment: Segment, settled: Located, located: Located) -> bool:
-    """Whether finer steps have led to another point than the one that was found on the segment's own."""
-    moved = norm_in(settled.z - located.z, segment.weights)
-    return moved > segment.length + WELL_BEYOND * known_to(segment)
 
 
 def first_accepted(

@@ -169,8 +169,7 @@ def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | Non
     """The solution at exactly this value of the free parameter."""
     guess = near.z + (value - near.z[-1]) / near.tangent[-1] * near.tangent if near.tangent[-1] else near.z
     guess = np.append(guess[:-1], value)
-    normal = np.zeros(len(guess))
-    normal[-1] = 1.0 / segment.weights[-1]
+    normal = np.append(np.zeros(len(guess) - 1), 1.0 / segment.weights[-1])
 
     def solved(problem: Problem, guess: np.ndarray) -> Located | None:
         correction = correct(problem, guess, normal, segment.weights)
@@ -313,8 +312,7 @@ def start_refined(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
     """
     if problem.meshed is None or problem.line.second is not None or sample.orientation == 0.0:
         return problem, sample
-    normal = np.zeros(len(sample.z))
-    normal[-1] = 1.0 / sample.weights[-1]
+    normal = np.append(np.zeros(len(sample.z) - 1), 1.0 / sample.weights[-1])
     try:
         finer = refined(problem, sample.z, sample.weights)
         found = correct(finer, sample.z, normal, sample.weights)

@@ -82,6 +82,11 @@ class _Equations:
         sizes = tuple(self.sizes[:2])
         return Correction(self.problem, z, lin, iterations, reason, explanation, sizes, self.chords)
 
+    def singular(self, z: np.ndarray, lin: Linearization, iterations: int, sentence: str) -> Correction:
+        """A solution already, of equations too singular to improve on it; else why there is none."""
+        solved = lin.excess <= ROUNDED
+        return self.ended(z, lin, iterations, *(() if solved else ("no_convergence", sentence)))
+
     def undefined_at(self, z: np.ndarray, iterations: int) -> Correction:
         """That they have no finite value at z; where in the plugin that is, is looked for when it is told."""
         diagnosis = self.problem.diagnosis
@@ -243,22 +248,17 @@ def _iterated(equations: _Equations, begun: np.ndarray, iterations: int, damped:
         if not lin.finite:
             return equations.undefined_at(z, iteration)
         step = equations.correction(lin, z)
-        if step is None and lin.excess <= ROUNDED:
-            return equations.ended(z, lin, iteration)
         if step is None:
-            sentence = "The bordered Jacobian is singular."
-            return equations.ended(z, lin, iteration, "no_convergence", sentence)
+            return equations.singular(z, lin, iteration, "The bordered Jacobian is singular.")
         size = norm_in(step, weights)
         equations.sizes.append(size)
         if (size < NEARLY or iteration >= 2) and not lin.exceeds(2.0, weights):
             return equations.ended(z, lin, iteration)
         if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
             return _settled(equations, z, lin, iteration)
-        stalls = iteration > 1 and size > 0.7 * previous
-        if stalls and lin.excess <= ROUNDED:  # near a singular point corrections never get small
-            return equations.ended(z, lin, iteration)
-        if stalls and not damped:
-            return equations.ended(z, lin, iteration, "no_convergence", "Newton's method does not contract.")
+        stalls = iteration > 1 and size > 0.7 * previous  # near a singular point corrections never get small
+        if stalls and (lin.excess <= ROUNDED or not damped):
+            return equations.singular(z, lin, iteration, "Newton's method does not contract.")
         # What is rounding farther off is none here, and to compute there may take as long as it likes.
         if not damped and norm_in(z - step - equations.guess, weights) > LARGEST_MAGNITUDE:
             return equations.ended(z, lin, iteration, "no_convergence", "Newton's method runs off.")
@@ -270,10 +270,8 @@ def _iterated(equations: _Equations, begun: np.ndarray, iterations: int, damped:
             # If what is taken for dust is more than that, later iterations show it.
             z = _clean(equations.problem, z, weights) if iteration < 2 else z
             lin = equations.at(z)
-    if lin.excess <= ROUNDED:  # a solution already, of equations too singular to improve on it
-        return equations.ended(z, lin, iterations)
     sentence = f"Newton's method did not converge in {iterations} iterations."
-    return equations.ended(z, lin, iterations, "no_convergence", sentence)
+    return equations.singular(z, lin, iterations, sentence)
 
 
 def _followed(equations: _Equations, z: np.ndarray, step: np.ndarray, lin: Linearization) -> np.ndarray:
@@ -314,10 +312,10 @@ def _settled(equations: _Equations, z: np.ndarray, lin: Linearization, iteration
         z, lin, iteration = z - step, there, iteration + 1
         if not lin.exceeds(2.0, equations.weights):
             break
-    if lin.excess <= ROUNDED or size <= NOTHING:
+    if size <= NOTHING:
         return equations.ended(z, lin, iteration)
     sentence = f"Residuals stay {lin.excess:.1e} times above their rounding error."
-    return equations.ended(z, lin, iteration, "no_convergence", sentence)
+    return equations.singular(z, lin, iteration, sentence)
 
 
 def _damped(

@@ -205,17 +205,13 @@ class _Walk:
             yield self._counted(Point(self._state))
             raise
         if _leaves_an_end(self._state.sample, sample, self._settings):
-            self._yielded = self._problem, self._state
-            yield self._counted(Point(self._state))
-            return
-        self._problem = there
-        if np.array_equal(sample.z, self._state.sample.z):
-            self._yielded = there, self._state
-            yield self._counted(Point(self._state))
-        else:  # on new steps the solution is another: that one is the point, and taken up as if stored
+            there, sample = self._problem, self._state.sample
+        self._problem, another = there, not np.array_equal(sample.z, self._state.sample.z)
+        if another:  # on new steps the solution is another: that one is the point, and taken up as if stored
             self._state = replace(self._state, sample=sample)
-            self._yielded = there, self._state
-            yield self._counted(Point(self._state))
+        self._yielded = there, self._state
+        yield self._counted(Point(self._state))
+        if another:
             self._problem, sample = adapted(there, sample)
         self._state = replace(self._state, sample=sample)
 

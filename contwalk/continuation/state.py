@@ -107,9 +107,7 @@ def _across(problem: Problem, z: np.ndarray) -> np.ndarray:
         jacobian, weights = problem.linearize(z).jacobian, problem.beginnings(z)
         if np.all(np.isfinite(jacobian)):
             return kernel_direction(jacobian, weights) / weights**2
-    normal = np.zeros(len(z))
-    normal[-1] = 1.0
-    return normal
+    return np.append(np.zeros(len(z) - 1), 1.0)
 
 
 def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -360,6 +360,5 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
 
 def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:
     """What is detected and cannot be located is kept, between the samples that show it."""
-    b = segment.b
-    width, counts = abs(float(segment.chord[-1])), {"before": segment.a.unstable, "after": b.unstable}
-    return unlocated(1.0, disagreement.type, b, width, disagreement.sentence, **counts)
+    a, b, width = segment.a, segment.b, abs(float(segment.chord[-1]))
+    return unlocated(1.0, disagreement.type, b, width, disagreement.sentence, a.unstable, b.unstable)

@@ -206,15 +206,11 @@ def _passes(
 def _middle(problem: _Imaged, arc: HermiteCurve) -> tuple[np.ndarray, np.ndarray] | None:
     """The branch's own solution half way along an arc and its tangent; None where that is not to be had."""
     guess = arc.guess(0.5)
-    correction = correct(problem, guess, arc.normal, arc.weights)
-    if not correction.ok or correction.linearization is None:
-        return None
-    if np.linalg.norm((correction.z - guess) / arc.weights) > NEAR * arc.length:
-        return None  # it may be another branch
-    try:
-        return correction.z, correction.linearization.tangent(arc.normal, arc.weights)
-    except np.linalg.LinAlgError:  # a branch point
-        return None
+    found = correct(problem, guess, arc.normal, arc.weights)
+    # Farther off it may be another branch.
+    near = np.linalg.norm((found.z - guess) / arc.weights) <= NEAR * arc.length
+    tangent = found.tangent(arc.normal, arc.weights) if near else None
+    return None if tangent is None else (found.z, tangent)
 
 
 # -- orbits ------------------------------------------------------------------------------------------------

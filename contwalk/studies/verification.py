@@ -204,8 +204,7 @@ def _beside(
     problem: Problem = problem_of(system, branch.info, z[: len(branch.info.states)], steps)
     problem = at_stored(problem, z, weights)
     if _at_given_value(branch, point):
-        normal = np.zeros(len(z))
-        normal[-1] = 1.0 / weights[-1]
+        normal = np.append(np.zeros(len(z) - 1), 1.0 / weights[-1])
         shift = aside * weights * np.cos(np.arange(1.0, len(z) + 1.0))
         guess = np.append((z + shift)[:-1], z[-1])
         problem = refined(problem, z, weights)

@@ -213,8 +213,7 @@ def _simulated(problem: LimitedOrbit, guess: np.ndarray, trial: Trial, label: st
         type(problem), problem.system, line, float(guess[-1]), recurrence, problem.discretization
     )
     weights = filled_magnitudes(rough, start)
-    normal = np.zeros(len(start))
-    normal[-1] = 1.0 / weights[-1]
+    normal = np.append(np.zeros(len(start) - 1), 1.0 / weights[-1])
     start = newton_on(rough, start, weights, normal)
     there = discretized(rough, start)
     start = newton_on(there, start, weights, normal)
@@ -224,8 +223,7 @@ def _simulated(problem: LimitedOrbit, guess: np.ndarray, trial: Trial, label: st
         alike = abs(there.duration(start) / problem.duration(guess) - 1.0) < room and not trial.settles
         if alike and there.itinerary in rotations:
             raise ContwalkError("the motion has the same signature still, run through more than once")
-        normal = np.zeros(len(start))
-        normal[-1] = 1.0 / weights[-1]
+        normal = np.append(np.zeros(len(start) - 1), 1.0 / weights[-1])
         start = newton_on(there, start, weights, normal)
     at_once = collapsed(there, start)
     if at_once:
