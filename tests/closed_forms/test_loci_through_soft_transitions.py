@@ -105,6 +105,17 @@ def test_branches_along_one_parameter_fold_on_it(force) -> None:
         assert abs(one.parameters["omega"] - other.parameters["omega"]) <= error < 1e-8
 
 
+@pytest.mark.slow
+def test_the_critical_vector_of_a_fold_is_one_of_the_unknowns_that_are_left() -> None:
+    """The branch's tangent there; the explicit orbit that it is found on has more unknowns."""
+    orbit, sample = reopened(system("soft"), branch("soft"), "LP1")
+    fold = next(kind for kind in orbit.point_types if kind.label == "LP")
+    for found in (rough := fold.locate(orbit, sample, 0), rough.settled()):
+        critical, tangent = found.critical / sample.weights[:-1], sample.tangent[:-1] / sample.weights[:-1]
+        cosine = abs(critical @ tangent) / np.linalg.norm(critical) / np.linalg.norm(tangent)
+        assert cosine == pytest.approx(1.0, abs=1e-6)  # of the square of how far the point moves
+
+
 @pytest.mark.long
 def test_a_condition_keeps_its_sign_where_other_soft_transitions_are_met() -> None:
     """Singular vectors leave the sign of a bordered inverse open: a curve turned at its first step across a
