@@ -169,10 +169,9 @@ def nearest_bound(sample: Sample, settings: Settings) -> tuple[float, int, float
     nearest = (np.inf, -1, np.nan)
     for place, ends in settings.bounds.items():
         ahead = sample.tangent[place]
-        if ahead != 0.0:
-            bound = ends[1] if ahead > 0 else ends[0]
-            left = (bound - sample.z[place]) / ahead
-            nearest = min(nearest, (left, place, bound), key=lambda found: found[0])
+        bound = ends[1] if ahead > 0 else ends[0]
+        left = (bound - sample.z[place]) / ahead if ahead != 0.0 else np.inf
+        nearest = (left, place, bound) if left < nearest[0] else nearest
     return nearest
 
 

@@ -303,7 +303,9 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
     found: list[Found] = []
     unexplained: list[tuple[float, int]] = []
     for which in range(min(p.unstable, q.unstable), max(p.unstable, q.unstable)):
-        if any(f.sample.eigenvalues[which].imag != 0.0 and _same_pair(f, which) for f in found):
+        # Of a pair that was found the other one: both are neighbours in the order.
+        pairs = (f.located.which for f in found if f.sample.eigenvalues[which].imag != 0.0)
+        if any(own in (which - 1, which + 1) for own in pairs):
             continue
         crossing = _locate_crossing(segment, low, high, which)
         if isinstance(crossing, Found):
@@ -321,11 +323,6 @@ def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found | N
     if len(crossings) > 1 and max(thetas) - min(thetas) < 10.0 * NEAR_REAL:
         return locate_multiple(segment, thetas[0])
     return None
-
-
-def _same_pair(found: Found, which: int) -> bool:
-    """Whether measure `which` belongs to the pair that was found: pairs are neighbours in the order."""
-    return found.located.which in (which - 1, which + 1)
 
 
 def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> Found | float:

@@ -11,6 +11,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
 from contwalk.continuation.allowance import Allowance
+from contwalk.continuation.attempt import nearest_bound
 from contwalk.continuation.ends import Crowd
 from contwalk.continuation.excursion import reentered
 from contwalk.continuation.locating import Found
@@ -152,10 +153,9 @@ class _Walk:
 
     def _bound(self) -> tuple[str, float] | None:
         """The parameter that is at an end of its range, and its value there."""
-        place = self._state.bound_at(self._settings)
-        if place is None:
-            return None
-        return self._observer.line.names[-1 - place], float(self._state.sample.z[place])
+        left, place, _ = nearest_bound(self._state.sample, self._settings)
+        at_it = self._observer.line.names[-1 - place], float(self._state.sample.z[place])
+        return at_it if left <= 0.0 else None
 
     def _comes_back(self, outcome: Outcome, spent: tuple[float, int]) -> bool:
         """Whether a curve in two parameters that leaves its range was followed to where it comes back."""

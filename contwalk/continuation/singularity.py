@@ -38,10 +38,8 @@ def singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], fl
         bordered[:size, :size] = matrix(sample)
         bordered[:size, size] = left
         bordered[size, :size] = right
-        unit = np.zeros(size + 1)
-        unit[size] = 1.0
         try:
-            return float(Factored(bordered).solve(unit)[size])
+            return float(Factored(bordered).solve(np.append(np.zeros(size), 1.0))[size])
         except np.linalg.LinAlgError:
             raise LostBranch("The border of the branch point test is singular.") from None
 

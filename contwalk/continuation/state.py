@@ -38,15 +38,6 @@ class ContinuationState:
     s: float
     step: float
 
-    def bound_at(self, settings: Settings) -> int | None:
-        """The place in z of the free parameter at whose bound this is, facing out of it."""
-        z, tangent = self.sample.z, self.sample.tangent
-        for place, (low, high) in settings.bounds.items():
-            value, ahead = z[place], tangent[place]
-            if (value >= high and ahead > 0) or (value <= low and ahead < 0):
-                return place
-        return None
-
 
 def begin(
     problem: Problem,

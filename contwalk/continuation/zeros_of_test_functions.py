@@ -130,8 +130,7 @@ def _may_pass(segment: Segment, kind: PointType) -> bool:
 def _doubtful(known: dict[float, float]) -> bool:
     """Whether values at some places leave room for a zero between them."""
     values = list(known.values())
-    nothing = all(abs(value) <= UNSURE for value in values) or not np.any(np.isfinite(values))
-    alike = nothing or all(_alike(a, b) for a, b in pairwise(values))
+    alike = not np.any(np.isfinite(values)) or all(_alike(a, b) for a, b in pairwise(values))
     return not alike or bool(_nearest_to_zero(known, DOUBTFUL))
 
 
