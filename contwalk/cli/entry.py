@@ -13,6 +13,7 @@ import click
 from contwalk.cli.collector import hold_collector
 from contwalk.cli.lazy_group import LazyGroup
 from contwalk.errors import ContwalkError
+from contwalk.printable import printable
 from contwalk.workflow.process_end import refuse_exit
 
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT)
@@ -119,7 +120,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 def say(text: str) -> None:
     """A line on stderr."""
-    click.echo(text, err=True)
+    click.echo(printable(text), err=True)
 
 
 def _close_stdout() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import click
 
+from contwalk.printable import printable
+
 
 @click.command("export")
 @click.argument("db")
@@ -18,4 +20,4 @@ def command(db: str, directory: str, force: bool) -> None:
 
     with open_database(db) as database:
         for path in write_tables(database, directory, overwrite=force):
-            click.echo(path)
+            click.echo(printable(str(path)))

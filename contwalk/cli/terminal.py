@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from contwalk.printable import printable
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -27,6 +29,7 @@ def line(out: Console, text: str, indent: int = 0, style: str = "") -> None:
     from rich.padding import Padding
     from rich.text import Text
 
+    text = printable(text)
     if out.is_terminal:
         out.print(Padding(Text(text, style=style), (0, 0, 0, indent)))
     else:
@@ -44,6 +47,7 @@ def table(
     if out.is_terminal:
         _folded(out, header, rows, indent, right)
         return
+    rows = [[printable(cell) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
     for row in [header, *rows] if any(header) else rows:
         cells = [
@@ -65,5 +69,5 @@ def _folded(
     for position, title in enumerate(header):
         columns.add_column(title, justify="right" if position in right else "left", overflow="fold")
     for row in rows:
-        columns.add_row(*[Text(cell) for cell in row])
+        columns.add_row(*[Text(printable(cell)) for cell in row])
     out.print(Padding(columns, (0, 0, 0, indent), expand=False))

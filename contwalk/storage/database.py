@@ -23,6 +23,7 @@ from contwalk.branch import (
     table_of_branches,
 )
 from contwalk.errors import DatabaseError
+from contwalk.storage.schema import is_branch_name
 from contwalk.system.declarations import nearest
 
 INTERRUPTED = Outcome(
@@ -222,7 +223,7 @@ def check_new_name(name: str, names: Sequence[str]) -> None:
     """Refuse a branch name that is taken, or that cannot be part of `branch/point`."""
     if name in names:
         raise DatabaseError(f"Branch '{name}' exists already.", "Drop it first, or choose another name.")
-    if not name or "/" in name or name.startswith("."):
+    if not is_branch_name(name):
         raise DatabaseError(
             f"A branch cannot be named '{name}'.", "Use a name such as b1, without '/' or a leading dot."
         )

@@ -33,7 +33,7 @@ from contwalk.storage.file_database import FileDatabase
 from contwalk.storage.hdf5_branch import StoredBranch
 from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, dataset_in, read_header
 from contwalk.storage.records import RecordLog
-from contwalk.storage.schema import TEXT_DTYPE, decode, encode, joined, pieces
+from contwalk.storage.schema import TEXT_DTYPE, encode, joined, note_from_text, pieces
 from contwalk.storage.seal import append_seal
 from contwalk.storage.snapshot import open_snapshot
 
@@ -229,7 +229,7 @@ class Hdf5Database(FileDatabase):
         """All notes."""
         self._check_open()
         with failures_of(self._path, "read"):
-            known = dict(map(decode, joined(self._notes.read())))
+            known = dict(map(note_from_text, joined(self._notes.read())))
             return {key: text for key, text in known.items() if text}
 
     def _rewrite(

@@ -11,9 +11,10 @@ import numpy as np
 from contwalk.errors import DatabaseError
 from contwalk.storage.database import RunHeader
 from contwalk.storage.failures import failures_of, not_contwalk
+from contwalk.storage.known_keys import Provenance
 from contwalk.storage.records import RecordLog, check_layout, describe
 from contwalk.storage.schema import FORMAT, SCHEMA_VERSION, TEXT_CHUNK, TEXT_DTYPE, decode, joined, pieces
-from contwalk.storage.typed import typed
+from contwalk.storage.typed import check_known, typed
 
 BRANCHES = "branches"
 CATALOGUE = "catalogue"
@@ -98,11 +99,11 @@ def read_header(path: Path, file: h5py.File) -> RunHeader:
         If the file is HDF5 of something else, has a newer schema, or is damaged.
     """
     with failures_of(path, "read"):
-        stated, form = _short_text(file, "format"), _form(file)
+        stated, form = _short_text(file, "format"), stated_form(file)
     if stated != FORMAT.encode():
         raise not_contwalk(path, "an HDF5 file of another program", form)
     with failures_of(path, "read"):
-        version = _whole_number(file, "schema_version")
+        version = whole_number(file, "schema_version")
         if version <= SCHEMA_VERSION:
             (text,) = joined(RecordLog(dataset_in(file, HEADER), TEXT_DTYPE).read())
             return _header_of(decode(text))
@@ -114,11 +115,7 @@ def read_header(path: Path, file: h5py.File) -> RunHeader:
 
 def _header_of(stored: Any) -> RunHeader:
     header = typed(RunHeader, stored)
-    given = header.provenance
-    files, engine = given.get("plugin_files", {}), given.get("engine", {})
-    units = given.get("units") or {}  # earlier versions stored none
-    if not all(isinstance(each, dict) for each in (units, files, engine)):
-        raise TypeError("its provenance is none")
+    check_known(Provenance, header.provenance)
     return header
 
 
@@ -129,14 +126,23 @@ def _short_text(file: h5py.File, name: str) -> bytes | None:
     return bytes(file.attrs[name]) if short else None
 
 
-def _form(file: h5py.File) -> str:
-    """The format that one of contwalk's own files of another kind tells, a text of any length."""
+def stated_form(file: h5py.File) -> str:
+    """The format that a file tells of itself, a text of any length; empty for none."""
     kept = file.attrs.get_id("format") if "format" in file.attrs else None
-    short = kept is not None and kept.shape == () and h5py.check_string_dtype(kept.dtype) is not None
-    return str(file.attrs["format"]) if short else ""
+    if kept is None or kept.shape != () or h5py.check_string_dtype(kept.dtype) is None:
+        return ""
+    told = file.attrs["format"]
+    return told.decode(errors="replace") if isinstance(told, bytes) else str(told)
 
 
-def _whole_number(file: h5py.File, name: str) -> int:
+def whole_number(file: h5py.File, name: str) -> int:
+    """An attribute that is a whole number.
+
+    Raises
+    ------
+    KeyError, ValueError
+        If there is none.
+    """
     kept = file.attrs.get_id(name)
     if kept.shape != () or kept.dtype.kind not in "iu":
         raise ValueError(f"the attribute {name} is no number")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
@@ -17,11 +18,13 @@ import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.errors import DatabaseError
-from contwalk.storage.typed import typed
+from contwalk.storage.known_keys import Mark, Settings
+from contwalk.storage.typed import check_known, typed
 
 FORMAT = "contwalk"
 PROBLEMS = ("equilibrium", "periodic_orbit", "hybrid_orbit", "locus")
 SCHEMA_VERSION = 3
+LABELS = re.compile("[A-Z]{2,8}|R[1-4]")
 LABEL = 8  # bytes of a special point's label; those of schema version 1 are in `LABELS_BEFORE`
 LABELS_BEFORE = (2,)
 
@@ -52,8 +55,18 @@ def encode(value: Any, what: str) -> str:
 
 
 def decode(text: str) -> Any:
-    """Inverse of `encode`; tuples come back as lists."""
-    return json.loads(text, object_hook=_restored)
+    """Inverse of `encode`; tuples come back as lists.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If it is nothing that `encode` has written, such as a number of thousands of digits.
+    """
+    value = json.loads(
+        text, object_hook=_restored, parse_int=_whole, parse_float=_finite, parse_constant=_finite
+    )
+    _check_plain(value)
+    return value
 
 
 def _plain(value: Any, what: str) -> Any:
@@ -82,6 +95,36 @@ def _key(key: Any, what: str) -> str:
     raise DatabaseError(f"{what[0].upper() + what[1:]} has the key {key!r}.", "Keys are text.")
 
 
+def _whole(digits: str) -> int:
+    number = int(digits) if len(digits) <= len(str(-(2**63))) else math.inf
+    if abs(number) > 2**63:
+        raise ValueError("it holds a whole number of more than 64 bits")
+    return int(number)
+
+
+def _finite(digits: str) -> float:
+    number = float(digits)
+    if not math.isfinite(number):
+        raise ValueError(f"it holds {digits[:20]} as a number")
+    return number
+
+
+def _check_plain(value: Any, deeper: int = 20) -> None:
+    """Refuse texts that are none, and what is nested deeper than anything that is stored."""
+    if deeper < 0:
+        raise ValueError("it is nested too deeply")
+    if isinstance(value, str):
+        value.encode()  # a lone surrogate has no bytes
+    elif isinstance(value, dict):
+        for name, each in value.items():
+            name.encode()
+            _check_plain(each, deeper - 1)
+    elif isinstance(value, list):
+        for each in value:
+            if not isinstance(each, float):
+                _check_plain(each, deeper - 1)
+
+
 def _restored(item: dict[str, Any]) -> Any:
     if item.keys() == {"$number"}:
         return float(item["$number"])
@@ -98,9 +141,17 @@ def info_text(info: BranchInfo) -> str:
 def info_from_text(text: str) -> BranchInfo:
     """Inverse of `info_text`."""
     info = typed(BranchInfo, _with_tuples(text, "states", "observables", "free", "signature", "parent"))
+    check_known(Settings, info.settings)
     if not info.free or min(info.unknowns, info.spectrum) < 0 or info.problem not in PROBLEMS:
         raise ValueError(f"branch {info.name} is none")
+    if info.subharmonic < 1 or info.settings.get("fold", 1) < 1 or not is_branch_name(info.name):
+        raise ValueError(f"branch {info.name!r} is none")
     return info
+
+
+def is_branch_name(name: str) -> bool:
+    """Whether a branch may be named so: it is part of `branch/point`, and of names of files."""
+    return bool(name) and name[0] != "." and not set(name) & set("/\\:") and name.isprintable()
 
 
 def _with_tuples(text: str, *keys: str) -> dict[str, Any]:
@@ -119,6 +170,9 @@ def special_text(point: SpecialPoint) -> str:
 def special_from_text(text: str) -> SpecialPoint:
     """Inverse of `special_text`."""
     point = typed(SpecialPoint, _with_tuples(text, "spectrum", "spectrum_full", "unknowns", "tangent"))
+    check_known(Mark, point.mark)
+    if not LABELS.fullmatch(point.label) or point.status not in ("located", "unlocated"):
+        raise ValueError("a special point has no such label or status")
     if point.label == "EP" and point.kind is not None:
         return replace(point, kind=_reason_of(point.kind, point.note or ""))
     return point
@@ -139,6 +193,14 @@ def _reason_of(reason: str, sentence: str) -> str:
     return next((code for words, code in _ONCE_CLOSED.items() if words in sentence), reason)
 
 
+def note_from_text(text: str) -> tuple[str, str]:
+    """Key and text of a note."""
+    stored = decode(text)
+    if not isinstance(stored, list) or [type(each) for each in stored] != [str, str]:
+        raise TypeError("a note is none")
+    return stored[0], stored[1]
+
+
 def outcome_text(outcome: Outcome, cost: Mapping[str, float], extent: Extent | None = None) -> str:
     """JSON text of how a branch ended, what it cost, and what belongs to it."""
     ended = {"outcome": asdict(outcome), "cost": dict(cost)}
@@ -157,6 +219,8 @@ def outcome_from_text(text: str | None) -> tuple[Outcome, dict[str, float]] | No
     if not stored:
         return None
     outcome = typed(Outcome, stored["outcome"])
+    if outcome.status not in ("complete", "stopped", "failed"):
+        raise ValueError("an outcome has no such status")
     cost = {str(name): float(value) for name, value in stored["cost"].items()}
     if "rhs" in cost:
         cost["rhs"] = int(cost["rhs"])

@@ -13,6 +13,9 @@ from contwalk.storage.database import Database
 from contwalk.storage.document import document
 from contwalk.storage.failures import explained, refuse_existing
 
+# Tables that are of no branch.
+OWN = ("branches", "special_points")
+
 
 def write_tables(db: Database, directory: str | Path, overwrite: bool = False) -> list[Path]:
     """Write `branches.csv`, `special_points.csv` and one table per branch, such as `b1.csv`.
@@ -36,7 +39,14 @@ def write_tables(db: Database, directory: str | Path, overwrite: bool = False) -
             f"{directory} is a file: tables are written into a directory, one for each branch.",
             "Name a directory, which is made where there is none.",
         )
-    names = ("branches", "special_points", *db.branch_names())
+    names = (*OWN, *db.branch_names())
+    taken = [name.casefold() for name in names]
+    for number, name in enumerate(names):
+        if taken.index(name.casefold()) < number:
+            raise DatabaseError(
+                f"Branch '{name}' has a table of the same name as another one.",
+                "Branches are named b1, b2 and so on by contwalk continue: compute the database again.",
+            )
     refuse_existing([directory / f"{name}.csv" for name in names], overwrite, made=True)
     described = document(db)["branches"]
     try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +13,10 @@ import numpy as np
 from contwalk.errors import DatabaseError
 from contwalk.files.drafts import drafted
 from contwalk.storage.failures import check_input, creating, failures_of
+from contwalk.storage.hdf5_file import stated_form, whole_number
+from contwalk.storage.known_keys import Header
+from contwalk.storage.plain_file import PlainFile
+from contwalk.storage.schema import FORMAT, encode
 from contwalk.storage.seal import append_seal
 from contwalk.storage.snapshot import open_snapshot
 
@@ -144,7 +147,7 @@ def write_trajectory(path: Path, trajectory: Trajectory, new: bool = False) -> P
         events["mode"] = np.array(trajectory.event_modes, dtype=h5py.string_dtype())
         for name in ("times", "rising", "before", "after"):
             events[name] = getattr(trajectory, f"event_{name}")
-        file.attrs["parameters"] = json.dumps(dict(trajectory.parameters))
+        file.attrs["parameters"] = encode(dict(trajectory.parameters), "the parameters")
         file.attrs["status"] = trajectory.status
 
     return _written(path, TRAJECTORY, trajectory.system, trajectory.header, fill, new)
@@ -159,34 +162,34 @@ def read_trajectory(path: str | Path) -> Trajectory:
         If the file is missing, damaged, or of something else.
     """
 
-    def take(file: h5py.File) -> Trajectory:
-        events = file["events"]
+    def take(file: PlainFile) -> Trajectory:
+        mode_names = file.names("modes", "names", "modes")
         return Trajectory(
-            system=str(file.attrs["system"]),
-            states=tuple(str(name) for name in file["values"].attrs["states"]),
-            parameters=json.loads(file.attrs["parameters"]),
-            times=file["times"][()],
-            values=file["values"][()],
-            modes=file["modes"][()],
-            mode_names=tuple(str(name) for name in file["modes"].attrs["names"]),
-            event_names=tuple(events["name"].asstr()[()]),
-            event_modes=tuple(events["mode"].asstr()[()]),
-            **{f"event_{name}": events[name][()] for name in ("times", "rising", "before", "after")},
-            status=str(file.attrs["status"]),
-            header=json.loads(file.attrs["header"]),
+            system=file.text("system"),
+            states=file.names("values", "states", "n"),
+            parameters=file.mapping("parameters", Mapping[str, float]),
+            times=file.array("times", "k"),
+            values=file.array("values", "k n"),
+            modes=_places(file.array("modes", "k", "iu"), len(mode_names)),
+            mode_names=mode_names,
+            event_names=tuple(file.texts("events/name", "e")),
+            event_modes=tuple(file.texts("events/mode", "e")),
+            event_times=file.array("events/times", "e"),
+            event_rising=file.array("events/rising", "e", "b"),
+            event_before=file.array("events/before", "e n"),
+            event_after=file.array("events/after", "e n"),
+            status=file.text("status"),
+            header=file.mapping("header", Header),
         )
 
     return _read(path, TRAJECTORY, take)
-
-
-_ARRAYS = ("draws", "values", "settled", "crossed", "ends")
 
 
 def write_samples(path: Path, samples: Samples) -> Path:
     """Write samples; a file that exists is replaced when the new one is complete."""
 
     def fill(file: h5py.File) -> None:
-        for name in _ARRAYS:
+        for name in ("draws", "values", "settled", "crossed", "ends"):
             file[name] = getattr(samples, name)
         file["draws"].attrs["names"] = list(samples.drawn)
         file["values"].attrs["measured"] = samples.measured
@@ -197,13 +200,17 @@ def write_samples(path: Path, samples: Samples) -> Path:
 def read_samples(path: str | Path) -> Samples:
     """Read samples; `DatabaseError` as for `read_trajectory`."""
 
-    def take(file: h5py.File) -> Samples:
+    def take(file: PlainFile) -> Samples:
         return Samples(
-            system=str(file.attrs["system"]),
-            drawn=tuple(str(name) for name in file["draws"].attrs["names"]),
-            measured=str(file["values"].attrs["measured"]),
-            **{name: file[name][()] for name in _ARRAYS},
-            header=json.loads(file.attrs["header"]),
+            system=file.text("system"),
+            drawn=file.names("draws", "names", "d"),
+            measured=file.text("measured", "values"),
+            draws=file.array("draws", "k d"),
+            values=file.array("values", "k"),
+            settled=file.array("settled", "k", "b"),
+            crossed=file.array("crossed", "k", "b"),
+            ends=file.array("ends", "k"),
+            header=file.mapping("header", Header),
         )
 
     return _read(path, SAMPLES, take)
@@ -240,26 +247,31 @@ def write_margins(path: Path, margins: Margins) -> Path:
 def read_margins(path: str | Path) -> Margins:
     """Read margins; `DatabaseError` as for `read_trajectory`."""
 
-    def take(file: h5py.File) -> Margins:
-        borders: dict[int, list[float]] = {}
-        for row, value in zip(
-            file["borders/row"][()].tolist(), file["borders/value"][()].tolist(), strict=True
-        ):
-            borders.setdefault(row, []).append(value)
-        instants = file["instants"]
-        fractions, times = instants["fraction"][()].tolist(), instants["time"][()].tolist()
-        modes, states = instants["mode"].asstr()[()].tolist(), instants["state"][()].tolist()
-        columns = {name: file[name][()].tolist() for name in ("instant", "sign", "simulations", "several")}
-        columns |= {name: file[name].asstr()[()].tolist() for name in ("state", "ends")}
+    def take(file: PlainFile) -> Margins:
+        fractions, times = (file.array(f"instants/{name}", "i").tolist() for name in ("fraction", "time"))
+        modes, states = file.texts("instants/mode", "i"), file.array("instants/state", "i n").tolist()
+        instant = _places(file.array("instant", "r", "iu"), len(times))
+        border, unknown = file.array("border", "r"), np.full(len(instant), np.nan)
+        columns: dict[str, list[Any]] = {
+            "instant": instant.tolist(),
+            "sign": file.array("sign", "r", "fi").tolist(),
+            "simulations": file.array("simulations", "r", "iu").tolist(),
+            "several": file.array("several", "r", "b").tolist(),
+            "state": file.texts("state", "r"),
+            "ends": file.texts("ends", "r"),
+            "farthest": (file.array("farthest", "r") if "farthest" in file else unknown).tolist(),
+            "border": [None if np.isnan(value) else value for value in border.tolist()],
+        }
         if "vector" in file:  # older files have only pushes of one state
-            columns["vector"] = file["vector"][()].tolist()
-        unknown = np.full(len(columns["sign"]), np.nan)
-        columns["farthest"] = (file["farthest"][()] if "farthest" in file else unknown).tolist()
-        columns["border"] = [None if np.isnan(value) else value for value in file["border"][()].tolist()]
+            columns["vector"] = file.array("vector", "r n").tolist()
+        borders: dict[int, list[float]] = {}
+        of_rows = _places(file.array("borders/row", "b", "iu"), len(instant))
+        for row, value in zip(of_rows.tolist(), file.array("borders/value", "b").tolist(), strict=True):
+            borders.setdefault(row, []).append(value)
         rows = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
         return Margins(
-            system=str(file.attrs["system"]),
-            states=tuple(str(name) for name in instants["state"].attrs["states"]),
+            system=file.text("system"),
+            states=file.names("instants/state", "states", "n"),
             rows=tuple(
                 {"number": k, **row, "fraction": fractions[row["instant"]], "borders": borders.get(k, [])}
                 for k, row in enumerate(rows)
@@ -268,30 +280,35 @@ def read_margins(path: str | Path) -> Margins:
                 {"fraction": f, "time": t, "mode": mode, "state": state}
                 for f, t, mode, state in zip(fractions, times, modes, states, strict=True)
             ),
-            header=json.loads(file.attrs["header"]),
+            header=file.mapping("header", Header),
             basin=_basin(file),
         )
 
     return _read(path, MARGINS, take)
 
 
+def _places(found: np.ndarray, count: int) -> np.ndarray:
+    """Numbers of things of which there are `count`."""
+    if len(found) and not 0 <= found.min() <= found.max() < count:
+        raise ValueError("it names what is not there")
+    return found
+
+
 def is_of_margins(path: str | Path) -> bool:
     """Whether a file is one that `contwalk margins` has written; no for what is none that can be read."""
     try:
-        with h5py.File(path, "r") as file:
-            return bool(file.attrs.get("format") == MARGINS)
-    except OSError:
+        return _stated(Path(path)) == MARGINS
+    except DatabaseError:
         return False
 
 
-def _basin(file: h5py.File) -> dict[str, Any]:
+def _basin(file: PlainFile) -> dict[str, Any]:
     if "basin" not in file:
         return {}
-    places = file["basin/places"]
     return {
-        "states": tuple(str(name) for name in places.attrs["states"]),
-        "places": places[()],
-        "labels": tuple(file["basin/labels"].asstr()[()]),
+        "states": file.names("basin/places", "states", "two"),
+        "places": file.array("basin/places", "points two"),
+        "labels": tuple(file.texts("basin/labels", "points")),
     }
 
 
@@ -314,29 +331,37 @@ def _written(
                 file.attrs["format"] = form
                 file.attrs["schema_version"] = VERSION
                 file.attrs["system"] = system
-                file.attrs["header"] = json.dumps(dict(header))
+                file.attrs["header"] = encode(dict(header), "the header")
                 fill(file)
             append_seal(draft.path)
         draft.lock.release()
     return path
 
 
-def _read(path: str | Path, form: str, take: Callable[[h5py.File], Any]) -> Any:
+def _stated(path: Path) -> str:
+    """What a file tells to be; empty for one of another program."""
+    check_input(path)
+    with failures_of(path, "read"), open_snapshot(path) as file:
+        return stated_form(file)
+
+
+def _read(path: str | Path, form: str, take: Callable[[PlainFile], Any]) -> Any:
     path = Path(path)
     check_input(path)
     with failures_of(path, "read"), open_snapshot(path) as file:
-        stated, version = file.attrs.get("format"), file.attrs.get("schema_version")
-        if stated == form and version == VERSION:
-            return take(file)
+        stated, version = stated_form(file), 0
+        if stated == form:
+            version = whole_number(file, "schema_version")
+            if version == VERSION:
+                return take(PlainFile(file))
     if stated == form:
         raise DatabaseError(
             f"{path} has version {version} of its format; this contwalk reads version {VERSION}.",
             "Read it with the newer contwalk that wrote it: pip install --upgrade contwalk",
         )
     what, command = form.removeprefix("contwalk "), _COMMANDS[form]
-    other = stated.decode(errors="replace") if isinstance(stated, bytes) else stated
-    found = {None: "it is an HDF5 file of another program", "contwalk": "it is a database of branches"}
+    known = {each: f"it is {each}" for each in _COMMANDS} | {FORMAT: "it is a database of branches"}
     raise DatabaseError(
-        f"{path} holds no {what}: {found.get(other, f'it is {other}')}.",
+        f"{path} holds no {what}: {known.get(stated, 'it is an HDF5 file of another program')}.",
         f"Name a file that contwalk {command} has written.",
     )

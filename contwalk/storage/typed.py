@@ -29,6 +29,31 @@ def typed(kind: type[T], stored: Any) -> T:
     return kind(**stored)
 
 
+def check_known(kind: Any, stored: Any) -> None:
+    """Refuse a mapping that does not fit.
+
+    Parameters
+    ----------
+    kind : type
+        A `Mapping[...]`; or a `TypedDict`, of which keys that it does not declare may have any value.
+    stored : object
+
+    Raises
+    ------
+    TypeError
+        Where it is none, or a value is of another type.
+    """
+    if get_origin(kind) is Mapping:
+        if not _fits(stored, kind):
+            raise TypeError("a mapping is of another type")
+        return
+    if not isinstance(stored, dict):
+        raise TypeError(f"the {kind.__name__.lower()} are none")
+    for name, hint in get_type_hints(kind).items():
+        if name in stored and not _fits(stored[name], hint):
+            raise TypeError(f"'{name}' of the {kind.__name__.lower()} is of another type")
+
+
 @lru_cache
 def _hints(kind: type) -> dict[str, Any]:
     hints = get_type_hints(kind)
@@ -47,6 +72,8 @@ def _fits(value: Any, hint: Any) -> bool:
         return isinstance(value, dict) and all(_fits(each, arguments[1]) for each in value.values())
     if hint in _NUMBERS:
         return isinstance(value, _NUMBERS[hint]) and not isinstance(value, bool)
+    if hint is bool:
+        return isinstance(value, bool)
     return isinstance(value, NoneType if hint is None else hint)
 
 

@@ -61,7 +61,7 @@ def make_info():
             "unknowns": 3,
             "spectrum": 2,
             "origin": "start: equilibrium balanced",
-            "settings": {"mesh": [0.0, 0.5, 1.0], "limit": math.inf},
+            "settings": {"mesh": [0.0, 0.5, 1.0], "highest": math.inf},
         }
         return BranchInfo(**(values | changes))
 
