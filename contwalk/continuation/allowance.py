@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
-
-import numpy as np
 
 
 @dataclass(frozen=True)
@@ -63,13 +60,3 @@ class Allowance:
     def earned(self) -> float:
         """What is worth as much as it costs."""
         return self.bound.worth * max(self.largest - self.least, 0.0)
-
-
-def allowance_of(bound: Bound, rows: Iterable[np.ndarray], sign: float) -> Allowance:
-    """What a direction has of its bound, by the rows of its branch, each of shape (1,)."""
-    found = Allowance(bound)
-    for row in rows:
-        side = row["s"][0] * sign
-        if side >= 0.0:
-            found.tell(row["free"][0, 0], int(row["rhs"][0]) if side > 0.0 else 0)
-    return found

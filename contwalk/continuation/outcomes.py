@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
 import numpy as np
 
-from contwalk.branch import Outcome, SpecialPoint
+from contwalk.branch import Outcome
 from contwalk.errors import ContwalkError
-from contwalk.problems.problem import LimitType, PointType
+from contwalk.problems.problem import LimitType
 
 # What cannot be computed is said by these: it ends one point, one direction or one branch, never a run.
 BREAKDOWNS = (ContwalkError, np.linalg.LinAlgError)
@@ -112,23 +110,6 @@ def interrupted() -> Outcome:
     )
 
 
-_COMPLETE = ("bound", "closed", "shrunk", "rejoined", "unbounded")
-_FAILED = ("step_too_small", "no_convergence", "not_finite", "plugin_error")
-
-
-def restored(end: SpecialPoint, goes_on: bool) -> Outcome:
-    """The outcome of an end point that is stored; `goes_on`: other branches leave the limit there."""
-    reason = str(end.kind)
-    status = "complete" if goes_on or reason in _COMPLETE else "failed" if reason in _FAILED else "stopped"
-    return Outcome(status, reason, end.note or f"Ended with {reason}. Nothing more is known.")
-
-
-def goes_on(kinds: Sequence[PointType], end: SpecialPoint, events: Mapping[str, str]) -> bool:
-    """Whether an end point is a limit, of some kinds, at which the diagram goes over to other branches."""
-    limits = (kind for kind in kinds if isinstance(kind, LimitType))
-    return any(end.kind == kind.reason and events.get(kind.label) == "switch" for kind in limits)
-
-
 def stuck(reason: str, sentence: str, step: float, name: str, value: float, known: str = "") -> Outcome:
     """No step of any length succeeded; `known` is what the problem knows to be in the way, and what helps."""
     if reason in ("not_finite", "plugin_error"):
@@ -163,48 +144,11 @@ def given_up(reason: str, sentence: str, name: str, value: float, known: str = "
     )
 
 
-def broken_by(error: ContwalkError | np.linalg.LinAlgError, what: str) -> Outcome:
-    """The outcome of a branch that an error ended, and of what cannot be done for it."""
-    return Outcome("failed", reason_of(error), f"{what}: {error_text(error)}")
-
-
 def reason_of(error: ContwalkError | np.linalg.LinAlgError) -> str:
     """The reason code of what ends with an error: that of its class; singular equations have no solution."""
     return error.reason if isinstance(error, ContwalkError) else "no_convergence"
 
 
-# What may be done where equations are singular.
-ELSEWHERE = "Start elsewhere, or continue over another parameter."
-
-
-def error_text(error: ContwalkError | np.linalg.LinAlgError) -> str:
-    """What an error says, and what to do."""
-    return str(error) if isinstance(error, ContwalkError) else f"{singular(error)} {ELSEWHERE}"
-
-
 def singular(error: np.linalg.LinAlgError) -> str:
     """What linear algebra stumbles over, in a sentence."""
     return f"The equations there are singular: more than one solution, or none, is near ({error})."
-
-
-def refused(sentence: str, remedy: str) -> Outcome:
-    """The start leads to no solution, for a reason with a remedy of its own."""
-    return Outcome("failed", "no_convergence", f"The start leads to no solution. {sentence} {remedy}".strip())
-
-
-# What is said of a start whose motion has come near to where it was, and where no orbit is beside it.
-PERHAPS_NOT_PERIODIC = (
-    "The simulation has come near to where it was, and no periodic orbit was reached from there: the motion "
-    "may not be periodic, but quasi-periodic or chaotic; its next returns tell (contwalk simulate)."
-)
-
-
-def no_start(reason: str, sentence: str, what: str = "an equilibrium, or simulate until settled") -> Outcome:
-    """The start could not be corrected to a solution."""
-    if reason in ("not_finite", "plugin_error"):
-        return Outcome("failed", reason, f"The start fails: {sentence} Start elsewhere, or mend the plugin.")
-    return Outcome(
-        "failed",
-        "no_convergence",
-        f"The start does not converge to a solution: {sentence} Give a state nearer to {what}.",
-    )

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named, narrowed
-from contwalk.continuation import outcomes
-from contwalk.continuation.allowance import Bound, allowance_of
+from contwalk.continuation.allowance import Allowance, Bound
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.diagram.opening import Opening
 from contwalk.diagram.rows import from_row
 from contwalk.errors import DatabaseError
 from contwalk.labels import END
-from contwalk.problems.problem import MAX_ABS, MAX_RE, PointType, Problem
+from contwalk.problems.problem import MAX_ABS, MAX_RE, LimitType, PointType, Problem
 from contwalk.system import System
+
+# Reason codes of ends that are complete, and of those that failed.
+_COMPLETE = ("bound", "closed", "shrunk", "rejoined", "unbounded")
+_FAILED = ("step_too_small", "no_convergence", "not_finite", "plugin_error")
 
 
 @dataclass(frozen=True)
@@ -185,7 +188,7 @@ def resumed(
     for sign in signs:
         if sign in ends:
             end = ends[sign]
-            outcome = outcomes.restored(end, outcomes.goes_on(problem.point_types, end, events))
+            outcome = restored(end, goes_on(problem.point_types, end, events))
             work.outcomes.append((sign, outcome))
             continue
         side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]
@@ -227,3 +230,26 @@ def combined(ends: list[tuple[float, Outcome]], message: str) -> Outcome:
         names = {1.0: "Forward", -1.0: "Backward"}
         texts = [f"{names[sign]}: {o.message}" for sign, o in ends]
     return replace(worst, message=" ".join([*texts, message]).strip())
+
+
+def allowance_of(bound: Bound, rows: Iterable[np.ndarray], sign: float) -> Allowance:
+    """What a direction has of its bound, by the rows of its branch, each of shape (1,)."""
+    found = Allowance(bound)
+    for row in rows:
+        side = row["s"][0] * sign
+        if side >= 0.0:
+            found.tell(row["free"][0, 0], int(row["rhs"][0]) if side > 0.0 else 0)
+    return found
+
+
+def restored(end: SpecialPoint, goes_on: bool) -> Outcome:
+    """The outcome of an end point that is stored; `goes_on`: other branches leave the limit there."""
+    reason = str(end.kind)
+    status = "complete" if goes_on or reason in _COMPLETE else "failed" if reason in _FAILED else "stopped"
+    return Outcome(status, reason, end.note or f"Ended with {reason}. Nothing more is known.")
+
+
+def goes_on(kinds: Sequence[PointType], end: SpecialPoint, events: Mapping[str, str]) -> bool:
+    """Whether an end point is a limit, of some kinds, at which the diagram goes over to other branches."""
+    limits = (kind for kind in kinds if isinstance(kind, LimitType))
+    return any(end.kind == kind.reason and events.get(kind.label) == "switch" for kind in limits)

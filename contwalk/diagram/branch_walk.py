@@ -9,16 +9,17 @@ import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.allowance import UNBOUNDED, Bound, allowance_of
-from contwalk.continuation.ends import Crowd, with_what_stands_still
-from contwalk.continuation.marks import Observer, marks_at, observer_of, place_error, start_refined
+from contwalk.continuation.allowance import UNBOUNDED, Bound
+from contwalk.continuation.ends import Crowd
+from contwalk.continuation.marks import Observer, observer_of
 from contwalk.continuation.pseudo_arclength import Earlier, End, walk
 from contwalk.continuation.records import start_record
-from contwalk.diagram import mirror_images
+from contwalk.diagram import mirror_images, not_begun
 from contwalk.diagram.branch_in_progress import (
     BranchInProgress,
     Start,
     Stored,
+    allowance_of,
     closed,
     info_of,
     outdated,
@@ -29,6 +30,8 @@ from contwalk.diagram.events import Began, Cut, Event, Found, Noted, Plan
 from contwalk.diagram.first_steps import Beginning, FirstSteps, Place
 from contwalk.diagram.opening import Opening
 from contwalk.diagram.rows import from_row, to_row
+from contwalk.diagram.standing_still import with_what_stands_still
+from contwalk.diagram.start_marks import marks_at, place_error, start_refined
 from contwalk.labels import END, RANGES
 from contwalk.problems.problem import Mirror, Problem, Sample
 
@@ -138,7 +141,7 @@ class BranchWalk:
             yield from self._walked(start, opening, work, places, allowed)
         except outcomes.BREAKDOWNS as error:
             work.broken = True
-            work.outcomes.append((1.0, outcomes.broken_by(error, "The branch cannot be followed")))
+            work.outcomes.append((1.0, not_begun.broken_by(error, "The branch cannot be followed")))
 
     def each(self, start: Start, allowed: Bound) -> Bound:
         """What each direction of a branch may cost, of what all may."""

@@ -14,6 +14,7 @@ from contwalk.continuation.correction import Correction
 from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram import not_begun
 from contwalk.diagram.branch_in_progress import Start
 from contwalk.diagram.events import Plan
 from contwalk.diagram.opening import Opening
@@ -117,9 +118,9 @@ def _openings(
             if isinstance(state, ContinuationState):
                 yield Opening(seed.problem, _counted(state, seed, point), one_sided=seed.one_sided)
             else:
-                yield outcomes.no_start(state.reason, state.sentence)
+                yield not_begun.no_start(state.reason, state.sentence)
     except outcomes.BREAKDOWNS as error:
-        yield outcomes.broken_by(error, f"The branch that leaves {point.name} cannot be begun")
+        yield not_begun.broken_by(error, f"The branch that leaves {point.name} cannot be begun")
 
 
 def _parent(plan: Plan, problem: Problem, point: SpecialPoint) -> Iterator[Opening | Outcome]:
@@ -127,7 +128,7 @@ def _parent(plan: Plan, problem: Problem, point: SpecialPoint) -> Iterator[Openi
     try:
         found = plan.parent(problem, point, plan.settings)
     except outcomes.BREAKDOWNS as error:
-        found = outcomes.broken_by(
+        found = not_begun.broken_by(
             error, f"The branch that has been returned to at {point.name} cannot be begun"
         )
     if found is not None:

@@ -13,6 +13,7 @@ from contwalk.continuation.metric import parameter_weight
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram import not_begun
 from contwalk.diagram.branch_in_progress import Start
 from contwalk.diagram.diagram import Diagram
 from contwalk.diagram.events import Plan
@@ -139,9 +140,9 @@ def opened_locus(
     except StartError:
         raise
     except outcomes.BREAKDOWNS as error:
-        return outcomes.no_start("no_convergence", str(error), "the special point")
+        return not_begun.no_start("no_convergence", str(error), "the special point")
     if not isinstance(state, ContinuationState):
-        return outcomes.no_start(state.reason, state.sentence, "the special point")
+        return not_begun.no_start(state.reason, state.sentence, "the special point")
     if not _persists(problem, state):
         raise StartError(
             f"No curve in two parameters can be followed from {point.name}. "

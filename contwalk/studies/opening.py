@@ -12,6 +12,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram import not_begun
 from contwalk.diagram.opening import Opening
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium.equilibrium import Equilibrium, pins_at, solution_at
@@ -58,7 +59,7 @@ def opened(
     try:
         problem, z = solution_at(system, parameters, free, state, path, at, discretization)
         if free in system.conserved_names and free not in [pin.name for pin in problem.pins]:
-            return outcomes.refused(
+            return not_begun.refused(
                 f"An equilibrium has one value of '{free}', and is not continued along it.",
                 "To follow orbits along it, start at one, with start: {simulate: {state: {...}}}, or "
                 "continue the equilibrium along another parameter.",
@@ -66,18 +67,18 @@ def opened(
         begun = begin(problem, z, settings)
         if not isinstance(begun, ContinuationState):
             held = _with_sums_held(problem, z, settings)
-            return held or outcomes.no_start(begun.reason, begun.sentence)
+            return held or not_begun.no_start(begun.reason, begun.sentence)
         if problem.pins and not _stays_neutral(problem, begun):
             # Neutral at the start only: along the branch it is not, and must not be held.
             problem = problem.with_pins(())
             begun = begin(problem, np.append(begun.sample.z[: problem.states], begun.sample.z[-1]), settings)
             if not isinstance(begun, ContinuationState):
-                return outcomes.no_start(begun.reason, begun.sentence)
+                return not_begun.no_start(begun.reason, begun.sentence)
         return _alone(problem, begun, settings)
     except (PluginError, NotFinite) as error:
-        return outcomes.no_start(error.reason, error.sentence)
+        return not_begun.no_start(error.reason, error.sentence)
     except np.linalg.LinAlgError as error:
-        return outcomes.no_start(outcomes.reason_of(error), outcomes.singular(error))
+        return not_begun.no_start(outcomes.reason_of(error), outcomes.singular(error))
 
 
 def _stays_neutral(problem: Equilibrium, state: ContinuationState) -> bool:
@@ -149,7 +150,7 @@ def _degenerate(
     there = begin(held, np.concatenate([z[: problem.size], [0.0], z[-1:]]), settings)
     if isinstance(there, ContinuationState) and _is_family(held, there):
         return Opening(held, there, _report(problem, generator[:n]))
-    return outcomes.no_start(
+    return not_begun.no_start(
         "no_convergence",
         "an eigenvalue is zero there, but no branch could be followed from it and there is no family of "
         "equilibria either. More than two branches may meet there, or the solution is a multiple root, as "

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import outcomes
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram import not_begun
 from contwalk.diagram.opening import Opening
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.flow.hybrid.going_through import going_through
@@ -143,7 +143,7 @@ def opened_itinerary(
             orbit, z = whole(orbit, z)
         return _hybrid(orbit, z, settings)
     except (PluginError, NotFinite) as error:
-        return outcomes.no_start(error.reason, error.sentence)
+        return not_begun.no_start(error.reason, error.sentence)
 
 
 def _hybrid(
@@ -157,14 +157,14 @@ def _hybrid(
     except StartError as error:
         found = one_of_a_family_near(problem, z)
         sentence = _with_hops(problem, z, f"{error.sentence} (itinerary: {itinerary})")
-        return found or outcomes.refused(sentence, error.remedy)
+        return found or not_begun.refused(sentence, error.remedy)
     if not isinstance(state, ContinuationState):
         refuse(kinks_along(problem, z))
         sentence = f"{state.sentence} (itinerary: {itinerary})"
         if state.reason == "no_convergence":
             sentence = _with_hops(problem, z, sentence)
-            sentence = f"{sentence} {outcomes.PERHAPS_NOT_PERIODIC if settled else ''}".strip()
-        return not_alone(problem, z, state) or outcomes.no_start(state.reason, sentence, "a periodic orbit")
+            sentence = f"{sentence} {not_begun.PERHAPS_NOT_PERIODIC if settled else ''}".strip()
+        return not_alone(problem, z, state) or not_begun.no_start(state.reason, sentence, "a periodic orbit")
     problem, _ = equations_at(problem, state.sample.z)
     collapsed = collapsed_event(problem, state.sample.z)
     if collapsed:
@@ -181,7 +181,7 @@ def _hybrid(
     try:
         adapted, sample = problem.adapted(state.sample)
     except np.linalg.LinAlgError:
-        return outcomes.no_start(
+        return not_begun.no_start(
             "no_convergence",
             "The equations are singular at the first orbit: others lie beside it at the same parameters, as "
             f"where nothing changes a state. (itinerary: {itinerary})",
@@ -223,13 +223,13 @@ def _collapsed(problem: HybridOrbit, z: np.ndarray, event: str, itinerary: str, 
     shortest = min(legs, key=lambda i: float(z[problem.layout.durations][i]))
     before = problem.itinerary.leading_in(problem.system, shortest)
     if before == event:
-        return outcomes.no_start(
+        return not_begun.no_start(
             "no_convergence",
             f"The correction lets the segment before '{event}' shrink to nothing (itinerary: {itinerary}). "
             f"{hopped}".strip(),
             "a periodic orbit",
         )
-    return outcomes.refused(
+    return not_begun.refused(
         f"'{before}' and '{event}' happen at once (itinerary: {itinerary}): which one comes first changes "
         f"along a branch there, and its equations hold on one side only. {hopped}".strip(),
         "Begin at another value of a parameter, at which one comes before the other.",

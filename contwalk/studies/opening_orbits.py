@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import outcomes
 from contwalk.continuation.settings import Settings
+from contwalk.diagram import not_begun
 from contwalk.diagram.opening import Opening
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.conserving import with_own_values
@@ -67,9 +67,9 @@ def opened_orbit(
         begins = parameters, free, rest.state, settings, line.ends, at, discretization
         found = _resting(opened(system.beginning_in(rest.mode), *begins))
     except (PluginError, NotFinite) as error:
-        found = outcomes.no_start(error.reason, error.sentence)
+        found = not_begun.no_start(error.reason, error.sentence)
     except StartError as error:
-        found = outcomes.refused(error.sentence, error.remedy)
+        found = not_begun.refused(error.sentence, error.remedy)
     if not isinstance(found, Outcome) or found.reason != "no_convergence":
         return found
     asked = _other_values(system, start.values, state, mode or system.modes[0].name)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import outcomes
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram import not_begun
 from contwalk.diagram.opening import Opening
 from contwalk.problems.initial.orbit_from_state import orbit_at, symmetric
 from contwalk.problems.initial.recurrence import AtRest, recurrent
@@ -54,12 +54,12 @@ def smooth(start: OrbitStart) -> Opening | Outcome:
     if not isinstance(begun, ContinuationState):
         refuse(kinks_along(problem, z))
         near = start.until == "settled" and begun.reason == "no_convergence"
-        sentence = f"{begun.sentence} {outcomes.PERHAPS_NOT_PERIODIC if near else ''}".strip()
-        return not_alone(problem, z, begun) or outcomes.no_start(begun.reason, sentence, "a periodic orbit")
+        sentence = f"{begun.sentence} {not_begun.PERHAPS_NOT_PERIODIC if near else ''}".strip()
+        return not_alone(problem, z, begun) or not_begun.no_start(begun.reason, sentence, "a periodic orbit")
     if not problem.moves(begun.sample.z):
         if faint:  # the last of a motion that dies away
             raise AtRest(state)
-        return outcome_of_family(problem, z) or outcomes.no_start(
+        return outcome_of_family(problem, z) or not_begun.no_start(
             "no_convergence",
             "The correction ends at an equilibrium, which is no orbit.",
             "a periodic orbit",

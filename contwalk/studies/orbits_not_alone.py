@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import outcomes
 from contwalk.continuation.correction import Correction
+from contwalk.diagram import not_begun
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.legs_without_length import collapsed as collapsed_event
@@ -56,12 +56,12 @@ def outcome_of_family(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray) -> Ou
     found = family_at(problem, z, places)
     if found is None:
         return None
-    return outcomes.refused(found.sentence + itinerary, found.remedy)
+    return not_begun.refused(found.sentence + itinerary, found.remedy)
 
 
 def not_conserved(name: str) -> Outcome:
     """The outcome of an orbit along which something that is declared to be conserved is not."""
-    return outcomes.refused(
+    return not_begun.refused(
         f"'{name}' is not conserved along the first orbit, at these parameters.",
         "Correct its function in the plugin, or the equations, change the parameters that make it lose or "
         "gain, or remove it from conserved=(...).",
@@ -70,7 +70,9 @@ def not_conserved(name: str) -> Outcome:
 
 def one_of_many() -> Outcome:
     """The outcome of an orbit beside which there are others, where nothing tells why."""
-    return outcomes.refused("Other orbits lie beside the first one, at the same parameters.", ONE_OF_A_FAMILY)
+    return not_begun.refused(
+        "Other orbits lie beside the first one, at the same parameters.", ONE_OF_A_FAMILY
+    )
 
 
 def _smooth_places(problem: PeriodicOrbit) -> Places:

@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.continuation import control, outcomes
+from contwalk.continuation import control
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
+from contwalk.diagram import not_begun
 from contwalk.diagram.opening import Opening
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least_part import least
@@ -39,7 +40,7 @@ def parent_of(problem: Problem, point: SpecialPoint, settings: Settings) -> Open
         return None
     state = begin(*part, settings)
     if not isinstance(state, ContinuationState):
-        return outcomes.no_start(state.reason, state.sentence, "a periodic orbit")
+        return not_begun.no_start(state.reason, state.sentence, "a periodic orbit")
     return Opening(part[0], _beside(part[0], state, settings))
 
 

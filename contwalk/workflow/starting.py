@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import outcomes
 from contwalk.continuation.settings import Settings
+from contwalk.diagram import not_begun
 from contwalk.diagram.branch_in_progress import Start
 from contwalk.diagram.opening import Opening
 from contwalk.errors import DatabaseError, StartError
@@ -176,7 +176,7 @@ def _same_orbit(place: Place, opening: Opening, accuracy: float) -> Opening | Ou
     within = max(math.sqrt(accuracy), sample.error)
     if abs(rounds - max(round(rounds), 1)) <= within * rounds:
         return opening
-    return outcomes.refused(
+    return not_begun.refused(
         f"The orbit {place.origin} has the period {place.period:.6g}, and from its state the corrector comes "
         f"to one with {found:.6g}: deviations grow too much for its state to tell which orbit it is.",
         "Start from a point nearer to where the branch begins, or ask for a finer `accuracy`.",

@@ -13,10 +13,9 @@ from contwalk.continuation.marks import (
     _extremum_error,
     _parameter_at,
     marked,
-    marks_at,
-    place_error,
 )
 from contwalk.continuation.settings import Mark
+from contwalk.diagram.start_marks import marks_at, place_error
 from contwalk.problems.parameter_line import ParameterLine
 
 PARAMETER = Observer(LINE, ())

@@ -6,9 +6,8 @@ from small_systems import labelled, small_system
 
 import contwalk as cw
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
-from contwalk.continuation import outcomes
 from contwalk.continuation.settings import Settings
-from contwalk.diagram.branch_in_progress import BranchInProgress, Start, Stored, spent
+from contwalk.diagram.branch_in_progress import BranchInProgress, Start, Stored, goes_on, restored, spent
 from contwalk.diagram.diagram import Diagram, Plan
 from contwalk.diagram.events import Found
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES
@@ -84,7 +83,7 @@ STATUS = {
 
 @pytest.mark.parametrize("kind", STATUS)
 def test_a_stored_end_has_its_status_again(kind):
-    told = outcomes.restored(end(kind, note="A sentence."), False)
+    told = restored(end(kind, note="A sentence."), False)
     assert told == Outcome(STATUS[kind], kind, "A sentence.")
 
 
@@ -99,7 +98,7 @@ def test_a_stored_end_has_its_status_again(kind):
     ],
 )
 def test_where_a_diagram_goes_on_beyond_an_end(kind, events, expected):
-    assert outcomes.goes_on(LIMIT_TYPES, end(kind), events) is expected
+    assert goes_on(LIMIT_TYPES, end(kind), events) is expected
 
 
 @pytest.mark.parametrize(

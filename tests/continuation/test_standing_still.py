@@ -8,7 +8,7 @@ import pytest
 import contwalk as cw
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.ends import POINTS, with_what_stands_still
+from contwalk.diagram.standing_still import POINTS, with_what_stands_still
 
 ROW = np.dtype([("s", "f8"), ("free", "f8", (1,)), ("period", "f8"), ("state", "f8", (2,))])
 

@@ -7,8 +7,8 @@ from small_systems import small_system
 
 import contwalk as cw
 from contwalk.continuation.correction import Correction
-from contwalk.continuation.outcomes import PERHAPS_NOT_PERIODIC
 from contwalk.continuation.settings import Settings
+from contwalk.diagram.not_begun import PERHAPS_NOT_PERIODIC
 from contwalk.studies import opening_eventful, opening_smooth
 from contwalk.studies.opening_orbits import opened_orbit
 
