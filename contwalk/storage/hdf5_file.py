@@ -131,8 +131,8 @@ def stated_form(file: h5py.File) -> str:
     kept = file.attrs.get_id("format") if "format" in file.attrs else None
     if kept is None or kept.shape != () or h5py.check_string_dtype(kept.dtype) is None:
         return ""
-    told = file.attrs["format"]
-    return told.decode(errors="replace") if isinstance(told, bytes) else str(told)
+    stated = file.attrs["format"]
+    return stated.decode(errors="replace") if isinstance(stated, bytes) else str(stated)
 
 
 def whole_number(file: h5py.File, name: str) -> int:

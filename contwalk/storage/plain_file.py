@@ -37,13 +37,12 @@ class PlainFile:
         return all(isinstance(self._file.get(place, getlink=True), h5py.HardLink) for place in places)
 
     def array(self, name: str, lengths: str, kinds: str = "f") -> np.ndarray:
-        """A dataset of numbers, whose NumPy kind is one of `kinds`."""
+        """A dataset of numbers whose NumPy kind is one of `kinds`, such as `biuf`.
+
+        `k n` gives an array of shape (k, n).
+        """
         found: np.ndarray = self._dataset(name, lengths, kinds)[()]
         return found
-
-    def flags(self, name: str, lengths: str) -> np.ndarray:
-        """A dataset of truth values."""
-        return self.array(name, lengths, "b")
 
     def texts(self, name: str, lengths: str) -> list[str]:
         """A dataset of texts, of any length each."""
@@ -113,6 +112,6 @@ class PlainFile:
 
 
 def _plain(text: Any) -> str:
-    told = text.decode() if isinstance(text, bytes) else text
-    told.encode()  # a lone surrogate has no bytes
-    return str(told)
+    decoded = text.decode() if isinstance(text, bytes) else str(text)
+    decoded.encode()  # a lone surrogate has no bytes
+    return decoded

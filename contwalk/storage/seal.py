@@ -3,6 +3,9 @@
 HDF5 does not protect its own bookkeeping, and a single wrong bit there may drop or exchange rows that are
 whole. A file that was closed ends in a seal, and is read only while the seal fits. HDF5 itself does not
 look behind the end that its superblock tells; it cuts the seal off when it opens the file for writing.
+
+A kill while the seal is written leaves its beginning. That is no damage: all before it had been written, and
+as much of the hash as there is says so. A beginning that does not fit is damage, as a whole seal would be.
 """
 
 from __future__ import annotations
@@ -20,23 +23,24 @@ _PART = 1 << 20
 
 
 def intact(content: bytes) -> bool | None:
-    """Whether the seal of a file fits; None where it has none. One that is cut off in its midst does not."""
-    place = len(content) - LENGTH
-    if place < 0 or not content.startswith(MARK, place):
-        return False if _is_cut(content[-LENGTH:]) else None
-    return content[place:] == _seal(hashlib.sha256(memoryview(content)[:place]))
+    """Whether the seal of a file fits; None where it has none, or only the beginning of the one that fits."""
+    place = _place(content[-LENGTH:], len(content))
+    if place is None:
+        return None
+    return _fits(content[place:], hashlib.sha256(memoryview(content)[:place]))
 
 
 def intact_file(path: Path) -> bool | None:
     """As `intact`, of a file that is too large to be read at once."""
     with path.open("rb") as file:
-        place = file.seek(0, os.SEEK_END) - LENGTH
-        file.seek(max(place, 0))
-        seal = file.read()
-        if place < 0 or not seal.startswith(MARK):
-            return False if _is_cut(seal) else None
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(size - LENGTH, 0))
+        end = file.read()
+        place = _place(end, size)
+        if place is None:
+            return None
         file.seek(0)
-        return seal == _seal(_hash_of(file, place))
+        return _fits(end[place - size :], _hash_of(file, place))
 
 
 def append_seal(path: Path) -> None:
@@ -53,9 +57,20 @@ def append_seal(path: Path) -> None:
             os.truncate(path, size)
 
 
-def _is_cut(end: bytes) -> bool:
-    """Whether a file's last bytes, at most as many as a seal has, end in a seal that lacks its own end."""
-    return MARK in end or any(end.endswith(MARK[:left]) for left in range(SHORTEST, len(MARK)))
+def _place(end: bytes, size: int) -> int | None:
+    """Where the seal of a file of this size begins, whose last bytes are `end`; None where it has none.
+
+    One that lacks its own end is found as well: a run was killed while it wrote it.
+    """
+    begins = end.rfind(MARK)
+    if begins < 0:
+        begins = len(end) - next((n for n in range(len(MARK), SHORTEST - 1, -1) if end.endswith(MARK[:n])), 0)
+    return size - len(end) + begins if begins < len(end) else None
+
+
+def _fits(seal: bytes, hashed: hashlib._Hash) -> bool | None:
+    right = _seal(hashed)
+    return True if seal == right else None if right.startswith(seal) else False
 
 
 def _seal(hashed: hashlib._Hash) -> bytes:

@@ -316,9 +316,10 @@ class _Recorder:
                 self._handle(event)
         except KeyboardInterrupt:
             self.result.interrupted = True
-            if self._current is not None:
-                outcome = outcomes.interrupted()
-                self.db.finish(self._current.name, outcome, self.db.branch(self._current.name).cost)
+            # It may have come while the branch was made, or right after its end was stored.
+            name = "" if self._current is None else self._current.name
+            if name in self.db and not self.db[name].complete:
+                self.db.finish(name, outcomes.interrupted(), self.db[name].cost)
 
     def _handle(self, event: Event) -> None:
         if isinstance(event, Began):
@@ -356,6 +357,9 @@ class _Recorder:
         point without its record anew, and what was told before would be gone if it were killed again.
         """
         name = event.info.name
+        if self._current is None or self._current.name != name:  # it was interrupted before its first point
+            self._current, self._number = event.info, 0
+            self.db.drop_outcome(name)
         if event.row is not None:
             self.db.append(name, event.row)
         if event.special is not None:

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from contwalk.cli import progress
-from contwalk.storage import open_database
+from contwalk.storage import hdf5_branch, open_database
 from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.storage.records import RecordLog
 from contwalk.workflow import runner
 
 LONG = ("--set", "diagram={follow: [BP]}", "--set", "engine={max_share: 0.01}")
@@ -82,6 +83,55 @@ def test_sigterm(contwalk, folder, monkeypatch):
         assert db["b1"].outcome.reason == "interrupted"
         assert len(db["b1"]) >= 5
     assert contwalk("continue", "run.yaml", "--resume", "--quiet").code == 0
+
+
+WRITES = ("start_branch", "append", "append_special", "finish", "write_note", "_rewrite")
+
+
+class Interrupting:
+    """Ctrl-C right before or right after a write, or a part of one."""
+
+    def __init__(self, patch, which=-1, within=None):
+        self.which, self.count = which, 0
+        for name in WRITES:
+            self.around(patch, Hdf5Database, name)
+        if within is not None:
+            self.around(patch, *within)
+
+    def around(self, patch, owner, name):
+        real = getattr(owner, name)
+
+        def watched(*given, **options):
+            self.reached()
+            result = real(*given, **options)
+            self.reached()
+            return result
+
+        patch.setattr(owner, name, watched)
+
+    def reached(self):
+        self.count += 1
+        if self.count == self.which:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("within", [None, (hdf5_branch, "publish"), (RecordLog, "append")])
+def test_an_interruption_at_any_write(contwalk, folder, monkeypatch, within):
+    """At each of the first ones, while the first branch is made, and at some of all others."""
+    short = ("--set", "continue.max_points=12", "--set", "diagram={follow: [BP]}")
+    with monkeypatch.context() as patch:
+        counted = Interrupting(patch, within=within)
+        assert contwalk("continue", "run.yaml", *short, "--output", "whole.h5", "--quiet").code == 0
+    whole = columns("whole.h5")
+    for which in (*range(1, 12), *range(12, counted.count, counted.count // 6), counted.count - 1):
+        with monkeypatch.context() as patch:
+            Interrupting(patch, which, within)
+            done = contwalk("continue", "run.yaml", *short, "--force", "--quiet")
+        assert done.code == 130, (which, done)
+        assert "Go on with:\n  contwalk continue run.yaml" in done.err, which
+        assert contwalk("show", "fork.h5").code == 0
+        assert contwalk("continue", "run.yaml", *short, "--resume", "--quiet").code == 0
+        assert columns("fork.h5") == whole, which
 
 
 def test_a_run_can_be_looked_at_while_it_goes_on(contwalk, folder, monkeypatch):
