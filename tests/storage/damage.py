@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk.errors import DatabaseError
 from contwalk.storage import document, open_database
+from contwalk.storage.seal import LENGTH, append_seal
 
 
 def answer(path: Path) -> str:
@@ -21,6 +22,21 @@ def answer(path: Path) -> str:
     except DatabaseError as error:
         told_where = error.sentence.startswith(str(path)) and error.remedy
         return f"refused: {error}" if told_where else f"no place or no remedy: {error}"
+
+
+def sealed(path: Path) -> None:
+    """Seal a file that another program has changed: how that is done is no secret."""
+    append_seal(path)
+
+
+def with_seal_of(copy: bytes, content: bytes) -> bytes:
+    """A damaged copy of what stands before a seal, with that seal behind it."""
+    return copy + content[-LENGTH:]
+
+
+def without_seal(content: bytes) -> bytes:
+    """What stands before the seal."""
+    return content[:-LENGTH]
 
 
 def flipped(content: bytes, count: int, seed: int) -> Iterator[bytes]:

@@ -10,12 +10,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from damage import flipped, truncated
+from damage import flipped, sealed, truncated, with_seal_of, without_seal
 from test_trajectory_files import samples, trajectory
 
 from contwalk.cli.entry import run as command
 from contwalk.errors import DatabaseError
-from contwalk.storage.seal import append_seal
 from contwalk.storage.trajectory import (
     MARGINS,
     Margins,
@@ -132,7 +131,7 @@ def test_a_file_that_misleads_is_refused_in_little_memory(tmp_path, kind, change
     write(path)
     with h5py.File(path, "r+") as file:
         CHANGES[change](file, *places)
-    append_seal(path)  # a seal is no secret
+    sealed(path)
     size = path.stat().st_size
     tracemalloc.start()
     try:
@@ -155,7 +154,7 @@ def test_margins_that_name_what_is_not_there(tmp_path):
             with h5py.File(path, "r+") as file:
                 before = file[name][0]
                 file[name][0] = number
-            append_seal(path)
+            sealed(path)
             with pytest.raises(DatabaseError, match="names what is not there"):
                 read_margins(path)
             with h5py.File(path, "r+") as file:
@@ -167,8 +166,9 @@ def test_flipped_bits_and_missing_ends_are_noticed(tmp_path, kind):
     path = tmp_path / "x.h5"
     write(path)
     content, damaged = path.read_bytes(), tmp_path / "damaged.h5"
-    for copy in (*flipped(content[:-91], 60, seed=3), *truncated(content[:-91], 30, seed=4)):
-        damaged.write_bytes(copy + content[-91:])
+    whole = without_seal(content)
+    for copy in (*flipped(whole, 60, seed=3), *truncated(whole, 30, seed=4)):
+        damaged.write_bytes(with_seal_of(copy, content))
         with pytest.raises(DatabaseError, match=r"damaged\.h5 is"):
             read(damaged)
 
