@@ -58,7 +58,7 @@ def _tiny(branch: Branch, places: np.ndarray) -> str:
         return ""
     first, each = next(iter(small)), (f"{state} returns from {share:.1e}" for state, share in small.items())
     return (
-        f"{' and '.join(each)} of its largest size, and errors of steps are in units of that: what it "
-        f"grows to again is not known. Take logarithms as states: of log |{first}| the rate is that of "
-        f"{first} over {first}."
+        f"{' and '.join(each)} of its largest size, and errors of steps are in units of that: if it grows in "
+        "proportion to itself, what it grows to again is not known. Then take logarithms as states: of log "
+        f"|{first}| the rate is that of {first} over {first}."
     )
