@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from contwalk.branch import Branch, BranchInfo, Outcome
+from contwalk.branch import ORBITS, Branch, BranchInfo, Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.allowance import Bound
 from contwalk.continuation.state import ContinuationState
@@ -35,7 +35,7 @@ from contwalk.diagram.growing import grown, leading
 from contwalk.diagram.opening import Opening
 from contwalk.diagram.recognition import Known, known_branch
 from contwalk.labels import END
-from contwalk.problems.problem import Problem
+from contwalk.problems.problem import Problem, Sample
 
 
 class Diagram:
@@ -145,7 +145,8 @@ class Diagram:
         if before is not None:
             return Known(before.name)
         if start.leaves is not None and start.leaves.births:
-            family = next((b.name for b in self.branches if _ends_at_point(b, state)), None)
+            reported = problem.observed.reported(state.sample.z)
+            family = next((b.name for b in self.branches if _ends_at_point(b, state.sample, reported)), None)
             if family is not None:
                 return Known(family)
         if start.leaves is not None and start.leaves.daughters == 1:
@@ -257,17 +258,19 @@ def _comes_back_at(branch: Branch, state: ContinuationState) -> bool:
 NEAR_PARAMETER, NEAR_PERIOD, NEAR_STATE = 0.05, 0.1, 0.5
 
 
-def _ends_at_point(branch: Branch, state: ContinuationState) -> bool:
-    """Whether a family of orbits ends at the Hopf point that another one is to begin at."""
-    if branch.info.problem != "periodic_orbit" or state.sample.sizes is None:
+def _ends_at_point(branch: Branch, sample: Sample, reported: np.ndarray) -> bool:
+    """Whether a family of orbits ends at the Hopf point that another one is to begin at.
+
+    The state that is reported of it has the shape (n,).
+    """
+    if branch.info.problem not in ORBITS or sample.sizes is None:
         return False
-    sample, n = state.sample, len(branch.info.states)
     for point in branch.special_points:
         if point.label != END or point.kind != "shrunk":
             continue
         row = branch.points[point.index]
         weights = row["weights"]
-        apart = np.abs(row["state"] - sample.z[:n]) / weights[:n]
+        apart = np.abs(row["state"] - reported) / weights[: len(reported)]
         if (
             abs(float(row["free"][0]) - sample.parameter) < NEAR_PARAMETER * sample.weights[-1]
             and abs(float(row["period"]) - sample.period) < NEAR_PERIOD * sample.period

@@ -141,3 +141,41 @@ def test_an_equilibrium_beyond_a_switch_of_the_field_is_not_admissible() -> None
     )
     branch = cw.continue_branch(cw.Equilibrium(system, {"lam": 0.0}, "lam"), [0.0], (-1.0, 1.0))
     assert np.array_equal(branch["admissible"], branch["lam"] <= A)
+
+
+def between(t, x, p, dx):
+    growth = p.lam * (1.0 - p.lam) - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = x[0] + growth * x[1]
+
+
+def between_and_pressed(t, x, p, dx):
+    between(t, x, p, dx)
+    dx[0] -= STIFFNESS * (x[0] - 0.4)
+
+
+@pytest.mark.parametrize(("role", "pieces"), [("soft", 1), ("hard", 3)])
+def test_a_family_that_leads_from_one_hopf_point_to_another_is_walked_once(role: str, pieces: int) -> None:
+    """Circles of the radius sqrt(lam (1 - lam)) are at most 0.5: the largest ones pass x = 0.4.
+
+    Hard transitions divide the family where it touches them.
+    """
+    machine_between = machine(
+        ["x", "y"],
+        {"lam": 0.5},
+        {"free": between, "pressed": between_and_pressed},
+        [
+            Transition("comes", "free", "pressed", lambda t, x, p: 0.4 - x[0], role=role),
+            Transition("goes", "pressed", "free", lambda t, x, p: 0.4 - x[0], "rising", role=role),
+        ],
+    )
+    settings = Settings(range=(-0.2, 1.2), events={"GR": "switch", "OC": "switch", "AZ": "ignore"})
+    values, steps = machine_between.defaults() | {"lam": -0.1}, Discretization(accuracy=ACCURACY)
+    opening = opened(machine_between, values, "lam", np.zeros(2), settings, discretization=steps)
+    plan = Plan(settings, frozenset(["HB"]), 4, (1.0, -1.0))
+    found = Diagram([Start(machine_between, "lam", values, opening, "start")], plan)
+    for _ in found.events():
+        pass
+    rest, *family = found.branches
+    assert [point.parameters["lam"] for point in labelled(rest, "HB")] == pytest.approx([0.0, 1.0])
+    assert len(family) == pieces
