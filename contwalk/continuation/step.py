@@ -144,7 +144,7 @@ class _Search:
         """
         prediction, smallest, length = attempted.prediction, attempted.smallest, attempted.length
         segment = self._segment(attempted)
-        if isinstance(segment, Refusal):
+        if not isinstance(segment, Segment):
             return segment
         if self.parabolas and segment.b.error > BLURRED * length:
             return Refusal(Cause.BLURRED, "Where the step ends is not known beside its length.")
@@ -168,8 +168,8 @@ class _Search:
             found += [f for f in at_the_end(segment) if f.type.tells_of(f.located)]
         return Step(segment, segment.b, found, self._next_length(segment, attempted))
 
-    def _segment(self, attempted: Attempt) -> Segment | Refusal:
-        """The piece of branch up to the corrected point, or why it is not to be trusted.
+    def _segment(self, attempted: Attempt) -> Segment | Outcome | Refusal:
+        """The piece of branch up to the corrected point, or why it is not to be trusted, or ends before.
 
         Raises
         ------
@@ -196,7 +196,7 @@ class _Search:
         if not smallest and (refused := branch_jumps.misshapen(*given)):
             return refused
         if not control.inside(z, self.settings.bounds):
-            return Refusal(Cause.TURNS, "The step passes the end of the range.")
+            return self._beyond_the_range(a, z, attempted.length)
         if problem.equivalence.gains_symmetry(a.z, z):
             return Refusal(Cause.PARENT, ON_PARENT)
         if a.orientation == 0.0 and problem.equivalence.keeps_symmetry(a.z, prediction.guess, z):
@@ -211,6 +211,19 @@ class _Search:
             return Refusal(Cause.TURNS, branch_jumps.ELSEWHERE)
         # Orientation is not defined at a branch point that the walk begins at.
         return segment if a.orientation != 0.0 else Segment(segment.problem, _beside(segment), segment.b)
+
+    def _beyond_the_range(self, a: Sample, z: np.ndarray, length: float) -> Outcome | Refusal:
+        """What a step to z, shape (N + 1,), beyond the end of a range is: too long, or rounding.
+
+        Where the parameter stands still along a branch, at that end to what it is known to, it is rounding.
+        """
+        known = self.settings.min_step if a.orientation == 0.0 else a.error
+        for place, ends in self.settings.bounds.items():
+            end = min(max(z[place], ends[0]), ends[1])
+            left = abs(end - a.z[place])
+            if end != z[place] and abs(a.tangent[place]) * length < left <= known * a.weights[place]:
+                return outcomes.stays_at_bound(self.observer.line.names[-1 - place], float(end))
+        return Refusal(Cause.TURNS, "The step passes the end of the range.")
 
     def _special(self, segment: Segment, smallest: bool) -> list[Found]:
         """Everything special on a segment, in order; at the smallest step, what cannot be located as well.

@@ -222,10 +222,10 @@ def combined(ends: list[tuple[float, Outcome]], message: str) -> Outcome:
     ends = sorted(ends, key=lambda end: -end[0])  # whichever was known first
     worst = max((outcome for _, outcome in ends), key=lambda o: (_ORDER[o.status], o.reason != "bound"))
     texts = [o.message for _, o in ends]
-    if [o.reason for _, o in ends] == ["bound", "bound"]:
-        texts = ["Both directions reached an end of the range. Widen `range` to go on."]
-    elif len(texts) == 2 and texts[0] == texts[1]:
+    if len(texts) == 2 and texts[0] == texts[1]:
         texts = [f"Both directions: {texts[0]}"]
+    elif [o.reason for _, o in ends] == ["bound", "bound"]:
+        texts = ["Both directions reached an end of the range. Widen `range` to go on."]
     elif len(texts) == 2:
         names = {1.0: "Forward", -1.0: "Backward"}
         texts = [f"{names[sign]}: {o.message}" for sign, o in ends]
