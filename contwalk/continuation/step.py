@@ -280,16 +280,10 @@ class _Search:
         """How the branch ends where no shorter attempt is to be made; None where one is."""
         reason, explanation, jump = refused.reason, refused.explanation, attempted.jump
         problem, sample = self.problem, self.state.sample
-        if (
-            reason == "not_finite"
-            and attempted.correction.iterations
-            and problem.diagnosis.obstacle(sample.z)
-        ):
+        corrected = reason == "not_finite" and attempted.correction.iterations
+        if corrected and problem.diagnosis.obstacle(sample.z):
             # It is the corrections that are too large, and not the field that ends ahead.
-            reason, explanation = (
-                "no_convergence",
-                "Newton's method leads to where the equations have no value.",
-            )
+            reason, explanation = "no_convergence", "Newton's method leads to where equations have no value."
         ends = False
         if reason in ("not_finite", "plugin_error") and jump is None:
             self.edge = reason, explanation

@@ -15,7 +15,6 @@ import numpy as np
 from contwalk.branch import ORBITS, Branch, BranchInfo, Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.allowance import Bound
-from contwalk.continuation.state import ContinuationState
 from contwalk.diagram.ahead import Ahead, Task, UpTo, taken_over
 from contwalk.diagram.beyond_depth import BeyondDepth
 from contwalk.diagram.born_there import born_there
@@ -144,16 +143,15 @@ class Diagram:
         before = born_there(start, opening, self.branches)
         if before is not None:
             return Known(before.name)
-        if start.leaves is not None and start.leaves.births:
+        ended, leaves = list[Branch](), start.leaves
+        if leaves is not None and leaves.births:
             reported = problem.observed.reported(state.sample.z)
-            family = next((b.name for b in self.branches if _ends_at_point(b, state.sample, reported)), None)
-            if family is not None:
-                return Known(family)
-        if start.leaves is not None and start.leaves.daughters == 1:
+            ended += [b for b in self.branches if _ends_at_point(b, state.sample, reported)]
+        if leaves is not None and leaves.daughters == 1:
             siblings = (b for b in self.branches if b.info.parent and b.info.parent[0] == start.parent[0])
-            child = next((b.name for b in siblings if _comes_back_at(b, state)), None)
-            if child is not None:
-                return Known(child)
+            ended += [b for b in siblings if _comes_back_at(b, state.sample)]
+        if ended:
+            return Known(ended[0].name)
         # A branch point lies on the parent anyway: look at the first points away from it.
         mirrored = self._walk.mirror(opening, start) is not None
         signs = self._walk.signs(start)[: 1 if mirrored else 2]
@@ -243,15 +241,17 @@ class Diagram:
 COMES_BACK = 1e-7
 
 
-def _comes_back_at(branch: Branch, state: ContinuationState) -> bool:
+def _ends(branch: Branch, kind: str) -> Iterator[np.void]:
+    """Rows at which a branch ends in some way."""
+    ends = (point for point in branch.special_points if point.label == END and point.kind == kind)
+    return (branch.points[point.index] for point in ends)
+
+
+def _comes_back_at(branch: Branch, sample: Sample) -> bool:
     """Whether a child ends at the very point of its parent's that another one is to leave: it is that one."""
-    for point in branch.special_points:
-        if point.label == END and point.kind == "rejoined":
-            row, sample = branch.points[point.index], state.sample
-            ends = float(row["free"][0]), float(row["period"])
-            if np.allclose(ends, (sample.parameter, sample.period), rtol=COMES_BACK, atol=0.0):
-                return True
-    return False
+    place = sample.parameter, sample.period
+    ends = ((float(row["free"][0]), float(row["period"])) for row in _ends(branch, "rejoined"))
+    return any(np.allclose(end, place, rtol=COMES_BACK, atol=0.0) for end in ends)
 
 
 # How near the last orbit of a family is to the Hopf point that it ends at, in parameter, period and state.
@@ -265,16 +265,9 @@ def _ends_at_point(branch: Branch, sample: Sample, reported: np.ndarray) -> bool
     """
     if branch.info.problem not in ORBITS or sample.sizes is None:
         return False
-    for point in branch.special_points:
-        if point.label != END or point.kind != "shrunk":
-            continue
-        row = branch.points[point.index]
-        weights = row["weights"]
-        apart = np.abs(row["state"] - reported) / weights[: len(reported)]
-        if (
-            abs(float(row["free"][0]) - sample.parameter) < NEAR_PARAMETER * sample.weights[-1]
-            and abs(float(row["period"]) - sample.period) < NEAR_PERIOD * sample.period
-            and float(apart.max()) < NEAR_STATE
-        ):
-            return True
-    return False
+    return any(
+        abs(float(row["free"][0]) - sample.parameter) < NEAR_PARAMETER * sample.weights[-1]
+        and abs(float(row["period"]) - sample.period) < NEAR_PERIOD * sample.period
+        and np.max(np.abs(row["state"] - reported) / row["weights"][: len(reported)]) < NEAR_STATE
+        for row in _ends(branch, "shrunk")
+    )
