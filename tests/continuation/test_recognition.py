@@ -261,7 +261,7 @@ class TestBeginningsAtHopfPoints:
         def told(ends_there):
             found = Diagram([], Plan(SETTINGS))
             found.branches = [straight]
-            monkeypatch.setattr(diagram, "_ends_at_point", lambda branch, at: ends_there)
+            monkeypatch.setattr(diagram, "_ends_at_point", lambda branch, *at: ends_there)
             monkeypatch.setattr(found._walk, "beside", lambda *given: walks.append(given) or here.sample)
             return found._recognised(start), len(walks)
 
