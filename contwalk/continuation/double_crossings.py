@@ -24,7 +24,8 @@ from contwalk.continuation.locating import (
     on_finest_steps,
 )
 from contwalk.continuation.marks import FINER
-from contwalk.continuation.segment import LostBranch, Placed, Segment, dip
+from contwalk.continuation.segment import LostBranch, Placed, Segment
+from contwalk.numerics import cubic
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Sample, Test
 
@@ -212,7 +213,7 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
             continue
         values, rates = ((sign * float(at[which]) for at in each) for each in ((ma, mb), (a.rates, b.rates)))
         # There may be a corner, where eigenvalues change roles.
-        if dip([*values], [length * rate for rate in rates], corner=True) is not None:
+        if cubic.dip([*values], [length * rate for rate in rates], corner=True) is not None:
             yield which
 
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contwalk.continuation.segment import NEAR_ZERO, Placed, Segment, looked_for
+from contwalk.continuation.segment import Placed, Segment, looked_for
 from contwalk.numerics import cubic
 from contwalk.problems.problem import Sample
 
@@ -92,7 +92,7 @@ def _place(a: Sample, b: Sample, length: float) -> float | None:
     nearest = _nearest(*cubics, signs[first], places, a) / least[:, None]
     which, place = np.unravel_index(int(np.argmin(nearest)), nearest.shape)
     found = float(places[which, place])
-    return found if nearest[which, place] < NEAR_ZERO and 0.0 < found < 1.0 else None
+    return found if nearest[which, place] < cubic.NEAR_ZERO and 0.0 < found < 1.0 else None
 
 
 def _followed(a: Sample, b: Sample, length: float) -> tuple[_End, _End] | None:

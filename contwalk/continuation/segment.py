@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +17,6 @@ from contwalk.problems.problem import Linearization, Problem, Sample
 # Near a branch point solutions are known to rounding over their distance from it, and along a branch that
 # turns there eigenvalues move by its square: at this distance, in the metric, that is far more.
 APART = 1e-4
-# An extremum is looked at when it comes this much nearer to zero than the ends.
-NEAR_ZERO = 0.5
 # How often a part is halved: a cubic of values and rates at its ends is 16 times as good each time.
 HALVINGS = 6
 # A solution and its position on a segment.
@@ -134,20 +132,6 @@ class Segment(HermiteCurve):
         return norm_in(there - z, self.weights) / max(self.length, 1e-300)
 
 
-def dip(values: Sequence[float], rates: Sequence[float], corner: bool = False) -> float | None:
-    """Where what falls from one positive value and grows to another is least, if near to zero, in 0..1.
-
-    The cubic of values and rates at both ends tells where; where there may be a `corner`, the tangents at
-    both ends tell how near.
-    """
-    given = np.array([[*values, *rates]])
-    places = cubic.turns(given)[0]
-    least = (given @ cubic.weights(places))[0]
-    meet = (values[1] - values[0] - rates[1]) / (rates[0] - rates[1])
-    nearest = min(least.min(), values[0] + rates[0] * meet if corner else np.inf)
-    return float(places[np.argmin(least)]) if nearest < NEAR_ZERO * min(values) else None
-
-
 def dip_between(
     segment: Segment, low: Placed, high: Placed, value: Function, rate: Function, corner: bool = False
 ) -> float | None:
@@ -162,7 +146,7 @@ def dip_between(
         rates.append((high[0] - low[0]) * segment.length * rate(sample))
         if not way * rates[-1] > 0.0:
             return None
-    return dip(values, rates, corner)
+    return cubic.dip(values, rates, corner)
 
 
 def looked_for(

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+
+# An extremum is looked at when it comes this much nearer to zero than the ends.
+NEAR_ZERO = 0.5
 
 
 def weights(t: np.ndarray) -> np.ndarray:
@@ -22,3 +27,17 @@ def turns(given: np.ndarray) -> np.ndarray:
         root = -0.5 * (b + np.copysign(np.sqrt(b * b - 4.0 * a * c), b))
         found = np.stack([root / a, c / root], axis=1)
     return np.where((found > 0.0) & (found < 1.0), found, 0.0)
+
+
+def dip(values: Sequence[float], rates: Sequence[float], corner: bool = False) -> float | None:
+    """Where what falls from one positive value and grows to another is least, if near to zero, in 0..1.
+
+    The cubic of values and rates at both ends tells where; where there may be a `corner`, the tangents at
+    both ends tell how near.
+    """
+    given = np.array([[*values, *rates]])
+    places = turns(given)[0]
+    least = (given @ weights(places))[0]
+    meet = (values[1] - values[0] - rates[1]) / (rates[0] - rates[1])
+    nearest = min(least.min(), values[0] + rates[0] * meet if corner else np.inf)
+    return float(places[np.argmin(least)]) if nearest < NEAR_ZERO * min(values) else None

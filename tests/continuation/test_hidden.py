@@ -9,7 +9,7 @@ import pytest
 from made_up import line
 
 from contwalk.continuation.double_crossings import _suspects
-from contwalk.continuation.segment import dip
+from contwalk.numerics.cubic import dip
 from contwalk.problems.sample import Rates, Sample
 
 
