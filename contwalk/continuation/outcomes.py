@@ -113,13 +113,6 @@ def effort() -> Outcome:
     )
 
 
-def interrupted() -> Outcome:
-    """The user interrupted the run."""
-    return Outcome(
-        "stopped", "interrupted", "Interrupted. Everything found is stored; run again with --resume to go on."
-    )
-
-
 def stuck(reason: str, sentence: str, step: float, name: str, value: float, known: str = "") -> Outcome:
     """No step of any length succeeded; `known` is what the problem knows to be in the way, and what helps."""
     if reason in ("not_finite", "plugin_error"):

@@ -87,7 +87,7 @@ def end_record(
         )
     elif not known:
         record = replace(record, error=None, errors={})
-    count = _count(state.sample)
+    count = counted(state.sample)
     if point is not None:
         count = point.unstable_after if sign > 0 else point.unstable_before
     return replace(
@@ -101,7 +101,7 @@ def end_record(
     )
 
 
-def _count(sample: Sample) -> int | None:
+def counted(sample: Sample) -> int | None:
     """How many directions are unstable at a sample; None where it is not known."""
     return None if sample.undecided else sample.unstable + sample.held_unstable
 
@@ -115,14 +115,3 @@ def _at_bound(problem: Problem, sample: Sample, name: str, value: float) -> Loca
     z = settled.z.copy()
     z[-1 - problem.line.names.index(name)] = value
     return replace(settled, z=z)
-
-
-def start_record(
-    problem: Problem, state: ContinuationState, kind: str, mark: tuple[str, float | None], error: float
-) -> SpecialPoint:
-    """The record of a mark, name and value, that the start of a branch has; the parameter's `error`."""
-    located: Located = Located(state.sample.z, error)
-    record = kind_of_test(problem, Test.MARK).describe(problem, located, state.sample, state.s)
-    count = _count(state.sample)
-    marked = {"name": mark[0], "value": mark[1]}
-    return replace(record, kind=kind, mark=marked, unstable_before=count, unstable_after=count)

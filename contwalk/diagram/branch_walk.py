@@ -13,7 +13,6 @@ from contwalk.continuation.allowance import UNBOUNDED, Bound
 from contwalk.continuation.ends import Crowd
 from contwalk.continuation.marks import Observer, observer_of
 from contwalk.continuation.pseudo_arclength import Earlier, End, walk
-from contwalk.continuation.records import start_record
 from contwalk.diagram import mirror_images, not_begun
 from contwalk.diagram.branch_in_progress import (
     BranchInProgress,
@@ -31,7 +30,7 @@ from contwalk.diagram.first_steps import Beginning, FirstSteps, Place
 from contwalk.diagram.opening import Opening
 from contwalk.diagram.rows import from_row, to_row
 from contwalk.diagram.standing_still import with_what_stands_still
-from contwalk.diagram.start_marks import marks_at, place_error, start_refined
+from contwalk.diagram.start_marks import marks_at, place_error, start_record, start_refined
 from contwalk.labels import END, RANGES
 from contwalk.problems.problem import Mirror, Problem, Sample
 

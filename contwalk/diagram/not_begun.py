@@ -37,3 +37,10 @@ def broken_by(error: ContwalkError | np.linalg.LinAlgError, what: str) -> Outcom
     """The outcome of a branch that an error ended, and of what cannot be done for it."""
     said = str(error) if isinstance(error, ContwalkError) else f"{outcomes.singular(error)} {ELSEWHERE}"
     return Outcome("failed", outcomes.reason_of(error), f"{what}: {said}")
+
+
+def interrupted() -> Outcome:
+    """The user interrupted the run."""
+    return Outcome(
+        "stopped", "interrupted", "Interrupted. Everything found is stored; run again with --resume to go on."
+    )

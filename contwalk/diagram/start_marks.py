@@ -1,14 +1,20 @@
-"""Marks that the start of a branch has itself: which, to what they are known, and on which steps."""
+"""Marks that the start of a branch has itself: which, to what they are known, and their records."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from contwalk.branch import SpecialPoint
+from contwalk.continuation.kinds import kind_of_test
 from contwalk.continuation.marks import BEYOND, STILL, Observer, observer_of
 from contwalk.continuation.newton import correct
+from contwalk.continuation.records import counted
 from contwalk.continuation.settings import Mark
+from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite, PluginError
-from contwalk.problems.problem import Problem, Sample, refined
+from contwalk.problems.problem import Located, Problem, Sample, Test, refined
 
 # What a value is met to, in parts of what is added up in it, and how much an estimate of that may fall short.
 MET, ESTIMATED = 4e-16, 4.0
@@ -108,3 +114,14 @@ def _stands_still(problem: Problem, name: str, sample: Sample) -> bool:
     """Whether a free parameter or an observable stands still along a curve in two parameters, to rounding."""
     rate, value = problem.observed.rate(name, sample), observer_of(problem).value(name, sample)
     return abs(rate) <= STILL * max(abs(value), TINY)
+
+
+def start_record(
+    problem: Problem, state: ContinuationState, kind: str, mark: tuple[str, float | None], error: float
+) -> SpecialPoint:
+    """The record of a mark, name and value, that the start of a branch has; the parameter's `error`."""
+    located: Located = Located(state.sample.z, error)
+    record = kind_of_test(problem, Test.MARK).describe(problem, located, state.sample, state.s)
+    count = counted(state.sample)
+    marked = {"name": mark[0], "value": mark[1]}
+    return replace(record, kind=kind, mark=marked, unstable_before=count, unstable_after=count)

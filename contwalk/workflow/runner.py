@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
-from contwalk.continuation import outcomes
+from contwalk.diagram import not_begun
 from contwalk.diagram.ahead import Ahead
 from contwalk.diagram.branch_in_progress import Stored
 from contwalk.diagram.diagram import Diagram
@@ -319,7 +319,7 @@ class _Recorder:
             # It may have come while the branch was made, or right after its end was stored.
             name = "" if self._current is None else self._current.name
             if name in self.db and not self.db[name].complete:
-                self.db.finish(name, outcomes.interrupted(), self.db[name].cost)
+                self.db.finish(name, not_begun.interrupted(), self.db[name].cost)
 
     def _handle(self, event: Event) -> None:
         if isinstance(event, Began):
