@@ -21,7 +21,17 @@ from tools.mutants.trial import load_libraries, passes, tried
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("continuation", "diagram", "problems", "flow", "fields", "storage")
-COPIED = ("contwalk", "systems", "tests", "runs", "docs", "README.md", "pyproject.toml")
+COPIED = (
+    "contwalk",
+    "systems",
+    "tests",
+    "benchmarks",
+    "tools",
+    "runs",
+    "docs",
+    "README.md",
+    "pyproject.toml",
+)
 SURVIVED = "survived"
 # Seconds that tests may take that are named and not measured.
 LONGEST = 60.0
