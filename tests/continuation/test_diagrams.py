@@ -8,6 +8,7 @@ from small_systems import bifurcations
 
 CROSSING = "dx[0] = x[0] * (p.mu - x[0])"
 PITCHFORK = "dx[0] = p.mu * x[0] - x[0] ** 3\ndx[1] = -x[1] + x[0]"
+ACCURACY = 1e-8  # of points, where nothing else is asked for
 
 
 def _ends(result, name="x", free="mu"):
@@ -82,6 +83,30 @@ diagram: {follow: [BP]}
     assert np.allclose(ellipse["mu"] ** 2 + ellipse["x"] ** 2, 1.0, rtol=1e-12)
     assert ellipse["x"].min() < -0.9
     assert ellipse["x"].max() > 0.9
+
+
+BETWEEN = """rate = p.mu * (1.0 - p.mu) * (p.mu - 2.0) * (p.mu - 3.0) - x[0]**2 - x[1]**2
+dx[0] = rate * x[0] - x[1]
+dx[1] = rate * x[1] + x[0]"""
+
+
+def test_a_family_that_joins_two_hopf_points_is_computed_once(tmp_path):
+    """Cycles of radius r exist where r^2 = mu (1 - mu) (mu - 2) (mu - 3): from 0 to 1, and from 2 to 3."""
+    write_plugin(tmp_path, BETWEEN, "xy", mu=-0.5)
+    result = run_text(
+        tmp_path,
+        """start: {state: {x: 0, y: 0}}
+continue: {parameter: mu, range: [-0.6, 3.6]}
+diagram: {follow: [HB]}
+""",
+    )
+    rest, *families = result.branches
+    places = [point.parameters["mu"] for point in bifurcations(rest)]
+    np.testing.assert_allclose(places, [0.0, 1.0, 2.0, 3.0], rtol=0, atol=ACCURACY)
+    born = [(family.info.parent, family.outcome.reason) for family in families]
+    assert born == [(("b1", rest.special(name).s), "shrunk") for name in ("HB1", "HB3")]
+    for family, middle in zip(families, (0.5, 2.5), strict=True):
+        assert np.abs(family["mu"] - middle).max() <= 0.5 + ACCURACY
 
 
 def test_two_starts_on_one_branch_are_one_branch(tmp_path):

@@ -100,6 +100,17 @@ def test_no_columns(field):
     assert empty.shape == (3, 0)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_step_of_no_length_changes_nothing(field, method):
+    """As where a leg is cut at an instant that is a step already."""
+    c, given = field.constants(PARAMETERS), (START, np.eye(3, 4), [-1, -1, -1, 1], method)
+    x, derivatives = flow.tangents(field, c, [0.0, 0.1, 0.2], *given)
+    for times in ([0.0, 0.1, 0.1, 0.2], [0.0, 0.0, 0.1, 0.2], [0.0, 0.1, 0.2, 0.2]):
+        again, moved = flow.tangents(field, c, times, *given)
+        np.testing.assert_array_equal(again, x)
+        np.testing.assert_array_equal(moved, derivatives)
+
+
 @pytest.mark.parametrize("method", [*EVERY_METHOD, "gauss4"])
 @pytest.mark.parametrize("columns", [0, 3, 5, 90])
 def test_a_path_with_its_tangents_in_one_pass(field, method, columns):

@@ -12,7 +12,13 @@ import pytest
 import contwalk as cw
 from contwalk.branch import BranchInfo, SpecialPoint
 from contwalk.errors import DatabaseError
-from contwalk.storage.schema import LABEL, SCHEMA_VERSION, special_record, special_record_dtype
+from contwalk.storage.schema import (
+    LABEL,
+    SCHEMA_VERSION,
+    special_from_text,
+    special_record,
+    special_record_dtype,
+)
 
 # Written by contwalk when its schema version was 1, from these two files.
 WRITTEN = Path(__file__).parent / "version_1.h5.gz"
@@ -85,3 +91,23 @@ def test_labels_of_any_length_are_kept_or_refused() -> None:
     assert special_record(info, SpecialPoint(label=long, s=0.0), dtype)["label"][0] == long.encode()
     with pytest.raises(DatabaseError, match=f"has more than {LABEL} bytes"):
         special_record(info, SpecialPoint(label=long + "L", s=0.0), dtype)
+
+
+@pytest.mark.parametrize(("states", "spectrum"), [(1, 200), (200, 0)])
+def test_a_special_point_with_all_that_its_branch_announces_fits(states, spectrum) -> None:
+    """Many eigenvalues or many states, of numbers that take as many characters as a float can: 24."""
+    names, number = tuple(f"x{i}" for i in range(states)), -1.2345678901234567e-300
+    info = BranchInfo("b1", "periodic_orbit", names, (), ("a",), {"a": 0.0}, states + 1, spectrum)
+    point = SpecialPoint(
+        label="LP",
+        s=number,
+        parameters={"a": number},
+        state=dict.fromkeys(names, number),
+        period=-number,
+        spectrum=(complex(number, number),) * spectrum,
+        spectrum_full=(complex(number, number),) * spectrum,
+        unknowns=(number,) * info.unknowns,
+        tangent=(number,) * (info.unknowns + 1),
+    )
+    record = special_record(info, point, special_record_dtype(info))
+    assert special_from_text(record["record"][0].decode()) == point

@@ -169,7 +169,6 @@ def test_what_grows_up_to_somewhere_counts_and_what_grows_from_somewhere_on(a):
     assert growth(there, sample.z) == pytest.approx(np.exp(2.0 * abs(a)), rel=0.05)
 
 
-@pytest.mark.drawn(2)
 @pytest.mark.parametrize("growth_of_all", [1.5, 1e3, 1e5, 1e9, 1e20])
 def test_over_each_segment_deviations_grow_by_no_more_than_allowed(growth_of_all):
     """And by more than that over fewer segments."""
