@@ -95,7 +95,7 @@ def plugin_line(error: BaseException) -> str:
     One of a library, Python's own included, counts only where there is no other: a plugin may be installed.
     """
     frames = [f for f in traceback.extract_tb(error.__traceback__) if not _is_library(f.filename)]
-    own = [f for f in frames if not str(Path(f.filename).resolve()).startswith(_libraries())]
+    own = [f for f in frames if is_of_plugin(f.filename)]
     if not frames:
         return NO_LINE
     innermost = (own or frames)[-1]
@@ -121,6 +121,11 @@ def _libraries() -> tuple[str, ...]:
     import sysconfig  # every command imports this module, and few have a plugin's line to tell
 
     return tuple(str(Path(sysconfig.get_path(kind)).resolve()) for kind in ("stdlib", "purelib", "platlib"))
+
+
+def is_of_plugin(filename: str) -> bool:
+    """Whether a file is neither of contwalk nor of a library, Python's own included."""
+    return not _is_library(filename) and not str(Path(filename).resolve()).startswith(_libraries())
 
 
 def _is_library(filename: str) -> bool:

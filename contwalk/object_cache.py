@@ -3,7 +3,7 @@
 A key covers the text, and of what is compiled the machine and the compiler; what is found under it can
 therefore not be out of date. Every file begins with a digest of the rest, since a damaged object file would
 end the process in the linker. A directory that cannot be read or written means that nothing is kept, and is
-no error.
+no error. One that others may write to is not used: whoever writes there has code run in this process.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import marshal
 import os
+import stat
 import sys
 import tempfile
 import time
@@ -28,6 +29,9 @@ REDATED_AFTER = 600.0
 _DIGEST = hashlib.sha256().digest_size
 # How many bytes this process may write into a folder before it lists it again.
 _room: dict[Path, float] = {}
+# Why a directory is not used, a sentence for whoever prints; empty where none was refused.
+refusal = ""
+_are_own: dict[Path, bool] = {}
 
 
 def directory() -> Path:
@@ -54,6 +58,8 @@ def key(*parts: str) -> str:
 def load(name: str) -> bytes | None:
     """What was stored under a key; None if there is nothing, or if it is damaged."""
     file = _file(name)
+    if not _own(file.parent):
+        return None
     try:
         data = file.read_bytes()
     except OSError:
@@ -70,7 +76,10 @@ def store(name: str, content: bytes) -> None:
     """
     with suppress(OSError):
         target = _file(name)
-        target.parent.mkdir(parents=True, exist_ok=True)
+        target.parent.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        target.parent.mkdir(mode=0o700, exist_ok=True)
+        if not _own(target.parent):
+            return
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=".writing-")
         try:
             with os.fdopen(handle, "wb") as stream:
@@ -99,6 +108,32 @@ def load_values(name: str) -> list[Any] | None:
 def store_values(name: str, values: Iterable[Any]) -> None:
     """Keep numbers, texts, and tuples and lists of them, as `store` does; for this version of Python."""
     store(name, marshal.dumps((name, *values)))
+
+
+def _own(folder: Path) -> bool:
+    """Whether nobody but this user may write into the folder, and the one that it is in.
+
+    A group that has the number of its user is that user's own.
+    """
+    global refusal
+    if folder in _are_own:
+        return _are_own[folder]
+    for place in (folder, folder.parent):
+        try:
+            there = place.stat()
+        except OSError:
+            return True  # there is nothing to be read, and nothing is kept
+        others = stat.S_IWOTH | (stat.S_IWGRP if there.st_gid != there.st_uid else 0)
+        theirs = hasattr(os, "geteuid") and there.st_uid not in (os.geteuid(), 0)
+        if theirs or there.st_mode & others:
+            refusal = (
+                f"The cache {folder} is not used, since others may write into {place}: code lies there. "
+                "Make it your own, and chmod go-w, or name another folder in CONTWALK_CACHE_DIR."
+            )
+            _are_own[folder] = False
+            return False
+    _are_own[folder] = True
+    return True
 
 
 def _remember_use(file: Path) -> None:

@@ -7,11 +7,13 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 
 import click
 
 from contwalk.cli.collector import hold_collector
 from contwalk.cli.lazy_group import LazyGroup
+from contwalk.cli.watching import watching
 from contwalk.errors import ContwalkError
 from contwalk.printable import printable
 from contwalk.workflow.process_end import refuse_exit
@@ -82,7 +84,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):  # a terminal that lacks a letter shows its code
             stream.reconfigure(errors="backslashreplace")
     try:
-        code = group.main(args=arguments, prog_name="contwalk", standalone_mode=False)
+        _check_names(sys.argv[1:] if arguments is None else arguments)
+        with watching(say):
+            code = group.main(args=arguments, prog_name="contwalk", standalone_mode=False)
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except ContwalkError as error:
@@ -102,6 +106,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except (KeyboardInterrupt, click.Abort):
         say("Interrupted.")
         return INTERRUPTED
+    except UnicodeEncodeError as error:  # a name in a run file that the locale cannot have
+        say(f"error: {_not_a_name(error.object)}")
+        return ContwalkError.exit_code
     except BrokenPipeError:
         _close_stdout()
         return 1
@@ -116,11 +123,45 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return 1
     except Exception as error:
         return _internal(error)
+    finally:
+        cache = sys.modules.get("contwalk.object_cache")  # nobody else has a reason to load it
+        if cache is not None and cache.refusal:
+            say(f"note: {cache.refusal}")
 
 
 def say(text: str) -> None:
     """A line on stderr."""
     click.echo(printable(text), err=True)
+
+
+def _check_names(arguments: Sequence[str]) -> None:
+    """Refuse what is no text, as a name of a file that was written in another encoding.
+
+    Raises
+    ------
+    ContwalkError
+    """
+    with suppress(FileNotFoundError):  # the current directory has been removed
+        arguments = [*arguments, os.getcwd()]
+    for word in arguments:
+        try:
+            word.encode()
+        except UnicodeEncodeError:
+            raise ContwalkError(_not_a_name(word)) from None
+
+
+def _not_a_name(word: str) -> str:
+    """A sentence on a name of a file, or another word, that cannot be used, and its remedy."""
+    try:
+        text = os.fsencode(word).decode()
+    except UnicodeEncodeError:
+        text = word
+    except UnicodeDecodeError:
+        return f"The name {word[-60:]!a} is not UTF-8 text. Rename the file or the folder."
+    return (
+        f"The name {text[-60:]!a} has letters that this locale has not. "
+        "Choose one of UTF-8, as LC_ALL=C.UTF-8, or set PYTHONUTF8=1."
+    )
 
 
 def _close_stdout() -> None:

@@ -84,6 +84,44 @@ def test_a_directory_without_permission_is_no_error(tmp_path, monkeypatch, compi
     assert len(compilations) == 2
 
 
+@pytest.mark.parametrize("mode", [0o702, 0o777, 0o1777, 0o722])
+@pytest.mark.parametrize("which", ["objects", "folder"])
+def test_a_folder_that_others_may_write_to_is_not_used(folder, monkeypatch, mode, which):
+    object_cache.store("kept", b"code")
+    assert object_cache.load("kept") == b"code"
+    monkeypatch.setattr(object_cache, "_are_own", {})
+    monkeypatch.setattr(object_cache, "refusal", "")
+    place = folder if which == "objects" else folder.parent
+    place.chmod(mode)
+    assert object_cache.load("kept") is None
+    object_cache.store("new", b"code")
+    assert sorted(path.name for path in folder.iterdir()) == ["kept.o"]
+    assert f"is not used, since others may write into {place}:" in object_cache.refusal
+    assert "CONTWALK_CACHE_DIR" in object_cache.refusal
+
+
+def test_a_folder_of_another_user_is_not_used(folder, monkeypatch):
+    object_cache.store("kept", b"code")
+    monkeypatch.setattr(object_cache, "_are_own", {})
+    monkeypatch.setattr(object_cache, "refusal", "")
+    monkeypatch.setattr(os, "geteuid", lambda: folder.stat().st_uid + 1)
+    if folder.stat().st_uid == 0:  # what the superuser has put there is no one else's
+        assert object_cache.load("kept") == b"code"
+    else:
+        assert object_cache.load("kept") is None
+
+
+def test_a_new_folder_is_of_its_user_alone_whatever_the_mask(folder, monkeypatch):
+    monkeypatch.setenv("CONTWALK_CACHE_DIR", str(folder.parent / "new"))
+    before = os.umask(0)
+    try:
+        object_cache.store("kept", b"code")
+    finally:
+        os.umask(before)
+    assert object_cache.load("kept") == b"code"
+    assert (folder.parent / "new").stat().st_mode & 0o077 == 0
+
+
 def test_nothing_is_left_half_written(folder):
     content = os.urandom(100_000)
     with ThreadPoolExecutor(8) as pool:

@@ -17,7 +17,7 @@ def apply_override(document: Document, override: str) -> None:
     RunFileError
         For text that is not `KEY=VALUE`, a value that is not YAML, and a key that leads into a plain value.
     """
-    origin = f"--set {override}"
+    origin = f"--set {override if len(override) <= 60 else override[:57] + '...'}"
     name, equals, text = override.partition("=")
     steps = name.strip().split(".")
     if not equals or not all(step and step == step.strip() for step in steps):

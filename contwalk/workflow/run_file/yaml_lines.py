@@ -7,6 +7,7 @@ that `1e-8` and `.5` are numbers and `no` is a text.
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -117,7 +118,15 @@ class _Reader:
                 items.append(self.read(item, (*key, index), (*inside, id(node))))
             return items
         if isinstance(node, ScalarNode) and kind not in ("map", "seq"):
-            return _scalar(kind, node.value)
+            value = _scalar(kind, node.value)
+            if kind == "int" and _is_beyond_numbers(value):
+                raise self.problem(
+                    line,
+                    key,
+                    f"is not finite beyond {sys.float_info.max:.1e}, so not a number to compute with.",
+                    "Write a smaller one.",
+                )
+            return value
         raise self.problem(line, key, f"the tag !!{kind} does not fit what follows.", "Remove the tag.")
 
     def _kind(self, node: Node, key: Key, line: int) -> str:
@@ -147,6 +156,13 @@ class _Reader:
             self.lines[(*key, name)] = line
             data[name] = self.read(value_node, (*key, name), inside)
         return data
+
+
+def _is_beyond_numbers(value: Any) -> bool:
+    """Whether a whole number is larger than any other number; one that Python does not read is a text."""
+    if isinstance(value, int):
+        return value.bit_length() > sys.float_info.max_exp
+    return isinstance(value, str) and value.lstrip("+-").isdigit()
 
 
 def _scalar(kind: str, text: str) -> Any:
