@@ -55,6 +55,7 @@ class _End(NamedTuple):
     errors: np.ndarray
 
 
+@np.errstate(invalid="ignore", over="ignore")  # multipliers may be infinite
 def _place(a: Sample, b: Sample, length: float) -> float | None:
     """Where between two solutions a length apart two eigenvalues come nearest to critical, in parts of it.
 
@@ -107,7 +108,7 @@ def _followed(a: Sample, b: Sample, length: float) -> tuple[_End, _End] | None:
         turned = float(np.abs(b.measures).min()) < float(np.abs(a.measures).min())
         near, far, way = (b, a, -1.0) if turned else (a, b, 1.0)
         there = _end(near, np.flatnonzero(near.measures == near.beyond(near.eigenvalues)), length)
-        if there is None or not len(which := _meeting(there, way)):
+        if there is None or not len(which := _meeting(there, way, far.eigenvalues)):
             return None
         own = _End(*(each[which] for each in there))
         others = _same(own.values, far.eigenvalues, np.zeros(len(which)), np.zeros(1))
@@ -125,16 +126,20 @@ def _end(sample: Sample, which: np.ndarray, length: float) -> _End | None:
     return _End(sample.eigenvalues[which], moved, sample.measures[which], sample.errors[which])
 
 
-def _meeting(end: _End, way: float) -> np.ndarray:
-    """Which eigenvalues run into others within the step, as values and rates at one of its ends tell.
+def _meeting(end: _End, way: float, far: np.ndarray) -> np.ndarray:
+    """Which eigenvalues may run into others within the step, as values and rates at one of its ends tell.
 
-    The way into the step is 1 from its beginning, -1 from its end.
+    The way into the step is 1 from its beginning, -1 from its end; those at its other end have the shape (m,).
 
-    Of two that leave at a right angle the difference is a root: it goes twice as fast as it does at first.
+    D of two that do not meet goes on as it begins; of two that do, they may be critical if D lets them.
     """
     first, second = _pairs(len(end.values), 1)
-    apart, closing = (each[first] - each[second] for each in (end.values, end.moved))
-    meet = (way * (apart * np.conj(closing)).real < 0.0) & (np.abs(apart) < 2.0 * np.abs(closing))
+    there = far[_same(end.values, far, np.zeros(len(end.values)), np.zeros(1))]
+    apart, closing, beyond = (each[first] - each[second] for each in (end.values, end.moved, there))
+    sizes, off = (np.abs(apart) ** 2, np.abs(beyond) ** 2), beyond**2 - apart**2 - 2.0 * way * apart * closing
+    reach = np.sqrt(sum(sizes) + np.abs(off)) + np.abs(end.values - there)[first]
+    near = np.abs(end.measures)[[first, second]].min(axis=0, initial=np.inf) < reach
+    meet = near & (np.abs(off) > STRAIGHT * np.minimum(*sizes))
     return np.unique([first[meet], second[meet]])
 
 
