@@ -69,9 +69,7 @@ def _place(a: Sample, b: Sample, length: float) -> float | None:
     first, second = _pairs(len(order), 1)
     apart = [end.values[first] - end.values[second] for end in ends]
     squares = [each * each for each in apart]
-    bends = [
-        2.0 * each * (end.moved[first] - end.moved[second]) for each, end in zip(apart, ends, strict=True)
-    ]
+    bends = [2.0 * d * (end.moved[first] - end.moved[second]) for d, end in zip(apart, ends, strict=True)]
     # Where D is nearly straight between the ends no two meet.
     chord = squares[1] - squares[0]
     off = np.maximum(np.abs(bends[0] - chord), np.abs(bends[1] - chord))
@@ -129,7 +127,7 @@ def _end(sample: Sample, which: np.ndarray, length: float) -> _End | None:
 def _meeting(end: _End, way: float, far: np.ndarray) -> np.ndarray:
     """Which eigenvalues may run into others within the step, as values and rates at one of its ends tell.
 
-    The way into the step is 1 from its beginning, -1 from its end; those at its other end have the shape (m,).
+    The way into the step is 1 from its beginning, -1 from its end; those at the other one have the shape (m,).
 
     D of two that do not meet goes on as it begins; of two that do, they may be critical if D lets them.
     """

@@ -302,11 +302,9 @@ class _Search:
 
     def _shorter(self, attempted: Attempt) -> float:
         """The next shorter length to try."""
-        ahead = None
-        if attempted.jump is not None:  # where a solution jumps along the step, the guess tells
-            given = self.state.sample.z, attempted.prediction.guess
-            ahead = first_jump(self.problem.diagnosis.passed(*given))
-        length = attempted.length
+        # Where a solution jumps along the step, the guess tells.
+        length, given = attempted.length, (self.state.sample.z, attempted.prediction.guess)
+        ahead = None if attempted.jump is None else first_jump(self.problem.diagnosis.passed(*given))
         return control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
 
     def _next_length(self, segment: Segment, attempted: Attempt) -> float:

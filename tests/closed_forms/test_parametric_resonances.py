@@ -1,8 +1,8 @@
 """Tongues of parametric resonance that are much narrower than a step: at rest two multipliers, or pairs, run
 into each other far inside the unit circle, and are beyond it for a while.
 
-x'' + 0.02 x' + (1 + e cos(w t)) x + x^3 = 0 doubles its period about w = 2 where e is above 0.04, and two such
-oscillators, of frequencies 1 and sqrt(2.4), coupled by e cos(w t), go around a torus about the sum of both.
+x'' + 0.02 x' + (1 + e cos(w t)) x + x^3 = 0 doubles its period about w = 2 where e is above 0.04, and two
+such oscillators, of frequencies 1 and sqrt(2.4), coupled by e cos(w t), go around a torus about their sum.
 The values are those of a fundamental matrix by SciPy's DOP853 at 1e-13, and of Brent's method.
 """
 
