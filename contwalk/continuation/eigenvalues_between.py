@@ -127,7 +127,7 @@ def _end(sample: Sample, which: np.ndarray, length: float) -> _End | None:
 def _meeting(end: _End, way: float, far: np.ndarray) -> np.ndarray:
     """Which eigenvalues may run into others within the step, as values and rates at one of its ends tell.
 
-    The way into the step is 1 from its beginning, -1 from its end; those at the other one have the shape (m,).
+    The way into the step is 1 from its beginning, -1 from its end; those at the other have the shape (m,).
 
     D of two that do not meet goes on as it begins; of two that do, they may be critical if D lets them.
     """
