@@ -7,6 +7,8 @@ from abc import abstractmethod
 from pathlib import Path
 from typing import Self
 
+from contwalk.branch import BranchInfo
+from contwalk.errors import DatabaseError
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.stored_system import StoredSystem, system_of_run
 from contwalk.system import System
@@ -56,7 +58,37 @@ class FileDatabase(Database):
     def stored_system(self, trust: bool = False) -> StoredSystem:
         """The system of this run, loaded; see `system_of_run` for what may be loaded, and what it raises."""
         given = self.header.provenance, self.header.model, self.header.system
-        return system_of_run(*given, self.path, trust or self.trust)
+        stored = system_of_run(*given, self.path, trust or self.trust)
+        self.check_modes(stored.system)
+        return stored
+
+    def infos(self) -> list[BranchInfo]:
+        """What is true of each branch."""
+        return [branch.info for branch in self.branches()]
+
+    def check_modes(self, system: System) -> None:
+        """Refuse branches in modes, or with transitions, that a system has not.
+
+        Raises
+        ------
+        DatabaseError
+        """
+        modes = {mode.name for mode in system.modes}
+        known = {"", *(transition.name for transition in system.transitions)}
+        for info in self.infos():
+            legs = info.settings.get("legs", ())
+            visited = [
+                info.settings.get("mode", system.modes[0].name),
+                *(passed[0] for passed in legs if passed),
+            ]
+            unknown = [name for name in visited if name not in modes]
+            unknown += [passed[1] for passed in legs if len(passed) > 1 and passed[1] not in known]
+            if unknown or not all(len(passed) > 2 for passed in legs):
+                raise DatabaseError(
+                    f"Branch {info.name} of {self.path} has modes or transitions that '{system.name}' has "
+                    "not.",
+                    "Put the plugin back as it was when the database was computed.",
+                )
 
     def system(self, trust: bool = False) -> System:
         """The same as a `System`; a Python warning says where it has changed since the run."""

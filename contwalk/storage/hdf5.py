@@ -209,6 +209,11 @@ class Hdf5Database(FileDatabase):
         self._check_open()
         return list(self._branches)
 
+    def infos(self) -> list[BranchInfo]:
+        """What is true of each branch, without its rows."""
+        self._check_open()
+        return [stored.info for stored in self._branches.values()]
+
     def branch(self, name: str) -> Branch:
         """One branch, sorted and named."""
         stored = self._stored(name)

@@ -222,6 +222,7 @@ def _database(run_file: RunFile, resume: bool, force: bool) -> FileDatabase:
 def _check_resumable(run_file: RunFile, db: FileDatabase) -> None:
     """Refuse to go on with a database of another study, or of another version of the plugin."""
     path = run_file.output
+    db.check_modes(run_file.system)
     if differing := differences(run_file, db.header):
         raise DatabaseError(
             f"{path} was computed from another run file: its settings differ from {run_file.path} "

@@ -89,6 +89,38 @@ def test_a_branch_whose_table_would_be_another_one(contwalk, fork, folder, names
     assert not (folder / "tables").exists()
 
 
+WHEEL = """
+system: rimless_wheel
+parameters: {gamma: 0.1}
+start: {simulate: {state: {theta: -0.2, omega_: 1.5}, until: settled}}
+continue: {parameter: gamma, range: [0.08, 0.12], max_points: 4}
+diagram: none
+"""
+
+
+@pytest.mark.parametrize(
+    "legs",
+    [[["nowhere", "strike", False]], [["MODE", "nothing", True]], [[True, "strike", True]], [[]], [["MODE"]]],
+)
+def test_orbits_in_modes_that_the_system_has_not(contwalk, kept_study_of, folder, legs):
+    database = kept_study_of("wheel", "", WHEEL)
+    with h5py.File(folder / database, "r+") as file:
+        texts = Texts(file)
+        told = json.loads(texts.read("branches/b1/info")[0])
+        mode = told["settings"]["legs"][0][0]
+        told["settings"]["legs"] = [[mode if word == "MODE" else word for word in leg] for leg in legs]
+        texts.write("branches/b1/info", [json.dumps(told)])
+    for given in (
+        ("show", database, "b1/0"),
+        ("verify", database),
+        ("plot", database, "-o", "x.svg", "--kind", "phase_portrait"),
+        ("continue", "wheel.yaml", "--resume"),
+    ):
+        done = contwalk(*given)
+        spoken(done, given)
+        assert "modes or transitions that 'rimless_wheel' has not" in done.err + done.out, given
+
+
 def test_texts_of_a_database_do_not_act_on_the_terminal(contwalk, fork, folder):
     target = folder / "x.h5"
     target.write_bytes(fork.read_bytes())
