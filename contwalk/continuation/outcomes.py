@@ -31,12 +31,8 @@ def bound_but_for(name: str, value: float, last: float) -> Outcome:
 
 def stays_at_bound(name: str, value: float) -> Outcome:
     """The free parameter stands still at an end of its range, and the branch goes on along it."""
-    return Outcome(
-        "complete",
-        "bound",
-        f"The branch stays at the end of the range, {name} = {value:.10g}, to what it is known to: all of it "
-        "lies there. Widen `range` to follow it.",
-    )
+    words = f"The branch stays at the end of the range, {name} = {value:.10g}, to what it is known to."
+    return Outcome("complete", "bound", f"{words} Widen `range` to follow it.")
 
 
 def closed() -> Outcome:

@@ -131,6 +131,10 @@ class VanishingFrequency(BogdanovTakens):
         """
         return better(sample, super().locate(problem, sample, which), _where_curves_cross(problem, sample))
 
+    def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
+        """Where branches cross for good, of both tangents there that of the curve itself, shape (N + 1,)."""
+        return (super() if located.crossing is None else Crossing()).tangent(problem, located, near)
+
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The coefficients a and b, where branches do not cross for good."""
         bare = located.crossing is None
