@@ -46,6 +46,7 @@ def of_multipliers(problem: OrbitData, z: np.ndarray, tangent: np.ndarray, found
     return Rates(len(found.values), of_measure, of_values=of_values)
 
 
+@np.errstate(invalid="ignore")  # an infinite multiplier has none
 def measured(value: complex, rate: complex, paired: bool = False) -> float:
     """Derivative of the modulus of a multiplier mu with a rate; of one of a pair that of |mu + 1/mu| / 2."""
     if paired:
