@@ -25,10 +25,16 @@ PARAMETER_ROUNDING = 4.0 * np.finfo(float).eps
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-12])
 @pytest.mark.parametrize("apart", [1e-2, 1e-4, 1e-6])
 def test_two_period_doublings_within_one_step(apart, accuracy):
-    """|mu| dips below 1 by pi apart^2 / 2 between them."""
+    """|mu| dips below 1 by pi apart^2 / 2 between them: by 2e-12 where they are nearest, which is rounding."""
     branch = moebius_branch(apart, accuracy)
     assert branch.outcome.reason == "bound"
-    first, second = labelled(branch, "LP", "BP", "PD", "NS")
+    first, *rest = labelled(branch, "LP", "BP", "PD", "NS")
+    if apart == 1e-6 and first.status == "unlocated":
+        low, high = (float(end) for end in re.findall(r"between (\S+) and (\S+)\.$", first.note)[0])
+        assert (first.label, rest) == ("PD", [])
+        assert low < 0.3 - 0.5 * apart < 0.3 + 0.5 * apart < high < low + 1e-4
+        return
+    (second,) = rest
     assert (first.label, second.label) == ("PD", "PD")
     assert [(q.unstable_before, q.unstable_after) for q in (first, second)] == [(1, 0), (0, 1)]
     for point, truth in ((first, 0.3 - 0.5 * apart), (second, 0.3 + 0.5 * apart)):
