@@ -1,6 +1,7 @@
 """What `accuracy` promises of special points of orbits: 1e-14, 0.1 and what lies between."""
 
 import math
+import re
 from functools import cache
 
 import mpmath
@@ -25,7 +26,7 @@ PARAMETER_ROUNDING = 4.0 * np.finfo(float).eps
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-12])
 @pytest.mark.parametrize("apart", [1e-2, 1e-4, 1e-6])
 def test_two_period_doublings_within_one_step(apart, accuracy):
-    """|mu| dips below 1 by pi apart^2 / 2 between them: by 2e-12 where they are nearest, which is rounding."""
+    """|mu| dips below 1 by pi apart^2 / 2 between them: where they are nearest that is rounding, 2e-12."""
     branch = moebius_branch(apart, accuracy)
     assert branch.outcome.reason == "bound"
     first, *rest = labelled(branch, "LP", "BP", "PD", "NS")
