@@ -29,7 +29,7 @@ def test_a_family_is_held_at_the_value_of_a_parameter():
     branch = cw.continue_branch(problem, [0.0, 0.2], (-1.0, 1.0))
     check_branch(branch, problem)
     assert branch.outcome.reason == "bound"
-    assert np.all(branch["y"] == 0.75)
+    assert np.allclose(branch["y"], 0.75, rtol=4e-16, atol=0.0)
     assert branch.points["spectrum"].shape[1] == 1
     assert np.allclose(branch["max_re"], -1.0, rtol=1e-14)
     assert (branch["stable"] == 1).all()
