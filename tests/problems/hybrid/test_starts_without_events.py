@@ -80,7 +80,7 @@ def test_an_orbit_in_a_mode_that_lacks_states(tmp_path, modes, mode):
     known = branch.points["error"] * branch.points["weights"][:, 0]
     assert np.all(np.abs(branch["max:x"] - np.sqrt(branch["a"])) <= known)
     assert np.all(known <= 1e-6)
-    np.testing.assert_allclose(branch["period"], 2.0 * np.pi, rtol=1e-8)
+    assert np.all(np.abs(branch["period"] - 2.0 * np.pi) <= 2.0 * np.pi * known)
     np.testing.assert_allclose(branch["max_abs"], np.exp(-4.0 * np.pi * branch["a"]), atol=1e-9)
 
 
