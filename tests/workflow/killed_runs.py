@@ -20,6 +20,21 @@ from contwalk.workflow.runner import Reporter, run
 # Parts of the time of an uninterrupted process after which one is killed: early ones and late ones.
 SHORTEST, LONGEST = 0.2, 0.9
 NONE: Mapping[int, Path] = {}
+# A supercritical pitchfork at mu = 0, with a state that only follows the parameter.
+FORK_PLUGIN = """
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    dx[0] = p.mu * x[0] - x[0] ** 3
+    dx[1] = p.mu - x[1]
+
+SYSTEM = System(
+    name="fork",
+    states=(State("x"), State("y")),
+    parameters=(Parameter("mu", -0.5),),
+    modes=(Mode("smooth", field),),
+)
+"""
 
 
 class Counting(Reporter):

@@ -10,7 +10,7 @@ import contextlib
 
 import numpy as np
 import pytest
-from killed_runs import assert_same
+from killed_runs import FORK_PLUGIN, assert_same
 
 from contwalk.storage import open_database
 from contwalk.workflow.run_file.reading import read_run_file
@@ -18,20 +18,6 @@ from contwalk.workflow.runner import Reporter, run
 
 pytestmark = pytest.mark.slow
 
-PLUGIN = """
-from contwalk.system import Mode, Parameter, State, System
-
-def field(t, x, p, dx):
-    dx[0] = p.mu * x[0] - x[0] ** 3
-    dx[1] = p.mu - x[1]
-
-SYSTEM = System(
-    name="fork",
-    states=(State("x"), State("y")),
-    parameters=(Parameter("mu", -0.5),),
-    modes=(Mode("smooth", field),),
-)
-"""
 # The start is at two marks itself, of the parameter and of an observable.
 RUN = """
 contwalk: 1
@@ -78,7 +64,7 @@ def study(folder, output, number=0, **rest):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("cut")
-    (path / "fork.py").write_text(PLUGIN)
+    (path / "fork.py").write_text(FORK_PLUGIN)
     (path / "run.yaml").write_text(RUN)
     return path
 

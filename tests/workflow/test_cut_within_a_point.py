@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 
 import pytest
-from killed_runs import assert_same
+from killed_runs import FORK_PLUGIN, assert_same
 
 from contwalk.storage.records import RecordLog
 from contwalk.workflow.run_file.reading import read_run_file
@@ -13,20 +13,6 @@ from contwalk.workflow.runner import run
 
 pytestmark = pytest.mark.slow
 
-PLUGIN = """
-from contwalk.system import Mode, Parameter, State, System
-
-def field(t, x, p, dx):
-    dx[0] = p.mu * x[0] - x[0] ** 3
-    dx[1] = p.mu - x[1]
-
-SYSTEM = System(
-    name="fork",
-    states=(State("x"), State("y")),
-    parameters=(Parameter("mu", -0.5),),
-    modes=(Mode("smooth", field),),
-)
-"""
 # Several points lie on one step, at the start, beside the pitchfork, and on both halves that it bears.
 FORK = """
 system: ./fork.py
@@ -56,7 +42,7 @@ mark: {gamma: [0.09, 0.1, 0.11]}
 
 @pytest.mark.parametrize("study", [FORK, ORBITS, WHEEL], ids=["fork", "orbits", "wheel"])
 def test_a_special_point_without_its_record_is_found_again(tmp_path, monkeypatch, study):
-    (tmp_path / "fork.py").write_text(PLUGIN, encoding="utf-8")
+    (tmp_path / "fork.py").write_text(FORK_PLUGIN, encoding="utf-8")
     (tmp_path / "run.yaml").write_text(study, encoding="utf-8")
     whole, cuts, append = tmp_path / "whole.h5", [], RecordLog.append
 
