@@ -44,10 +44,10 @@ def table(
     right: Sequence[int] = (),
 ) -> None:
     """Columns of text; `right` are those to be aligned at the right. Nothing is ever cut off."""
+    rows = [[printable(cell) for cell in row] for row in rows]
     if out.is_terminal:
         _folded(out, header, rows, indent, right)
         return
-    rows = [[printable(cell) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
     for row in [header, *rows] if any(header) else rows:
         cells = [
@@ -69,5 +69,5 @@ def _folded(
     for position, title in enumerate(header):
         columns.add_column(title, justify="right" if position in right else "left", overflow="fold")
     for row in rows:
-        columns.add_row(*[Text(printable(cell)) for cell in row])
+        columns.add_row(*[Text(cell) for cell in row])
     out.print(Padding(columns, (0, 0, 0, indent), expand=False))
