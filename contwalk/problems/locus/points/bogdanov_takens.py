@@ -133,8 +133,8 @@ class VanishingFrequency(BogdanovTakens):
 
     def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
         """Where branches cross for good, of both tangents there that of the curve itself, shape (N + 1,)."""
-        kind: LocusPoint = _Bare() if located.crossing is None else Crossing()
-        return kind.tangent(problem, located, near)
+        bare = located.crossing is None
+        return None if bare else Crossing().tangent(problem, located, near)
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The coefficients a and b, where branches do not cross for good."""
