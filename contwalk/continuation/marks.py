@@ -15,6 +15,7 @@ from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import LostBranch, Placed, Segment, dip_between, looked_for
 from contwalk.continuation.settings import Mark
 from contwalk.numerics.bracketing import narrow
+from contwalk.numerics.linear import parameter_held
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.problem import Located, Problem, Sample, Test, refined
 
@@ -166,10 +167,9 @@ def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | Non
     """The solution at exactly this value of the free parameter."""
     guess = near.z + (value - near.z[-1]) / near.tangent[-1] * near.tangent if near.tangent[-1] else near.z
     guess = np.append(guess[:-1], value)
-    normal = np.append(np.zeros(len(guess) - 1), 1.0 / segment.weights[-1])
 
     def solved(problem: Problem, guess: np.ndarray) -> Located | None:
-        correction = correct(problem, guess, normal, segment.weights)
+        correction = correct(problem, guess, parameter_held(segment.weights), segment.weights)
         if not correction.ok:
             return None
         z = np.append(correction.z[:-1], value)

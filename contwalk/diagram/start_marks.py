@@ -14,6 +14,7 @@ from contwalk.continuation.records import counted
 from contwalk.continuation.settings import Mark
 from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite, PluginError
+from contwalk.numerics.linear import parameter_held
 from contwalk.problems.problem import Located, Problem, Sample, Test, refined
 
 # What a value is met to, in parts of what is added up in it, and how much an estimate of that may fall short.
@@ -49,14 +50,13 @@ def start_refined(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
     """
     if problem.meshed is None or problem.line.second is not None or sample.orientation == 0.0:
         return problem, sample
-    normal = np.append(np.zeros(len(sample.z) - 1), 1.0 / sample.weights[-1])
     try:
         finer = refined(problem, sample.z, sample.weights)
-        found = correct(finer, sample.z, normal, sample.weights)
-        if not found.ok or found.linearization is None:
+        found = correct(finer, sample.z, parameter_held(sample.weights), sample.weights)
+        tangent = found.tangent(sample.tangent / sample.weights**2, sample.weights)
+        if tangent is None:
             return problem, sample
         z = np.append(found.z[:-1], sample.parameter)
-        tangent = found.linearization.tangent(sample.tangent / sample.weights**2, sample.weights)
         lin = found.problem.linearize(z)
         return found.problem, found.problem.examine(z, tangent, sample.weights, lin, sample.unstable)
     except (NotFinite, PluginError, np.linalg.LinAlgError):

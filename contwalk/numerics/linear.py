@@ -173,6 +173,11 @@ def unit_in(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return tangent if abs(length - 1.0) < 1e-14 else tangent / length
 
 
+def parameter_held(weights: np.ndarray) -> np.ndarray:
+    """The normal of corrections that keep the last unknown, the free parameter; both of shape (n,)."""
+    return np.append(np.zeros(len(weights) - 1), 1.0 / weights[-1])
+
+
 def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The vector, shape (n + 1,), that an (n, n + 1) matrix takes to zero, a unit in the metric.
 

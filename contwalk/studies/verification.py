@@ -21,6 +21,7 @@ from contwalk.continuation.newton import correct
 from contwalk.diagram.reopening import reopened, stored_place
 from contwalk.errors import ContwalkError
 from contwalk.labels import END, LOCUS, MARK
+from contwalk.numerics.linear import parameter_held
 from contwalk.problems.orbit.discretization import TIGHTEST, Discretization
 from contwalk.problems.problem import (
     Linearization,
@@ -204,7 +205,7 @@ def _beside(
     problem: Problem = problem_of(system, branch.info, z[: len(branch.info.states)], steps)
     problem = at_stored(problem, z, weights)
     if _at_given_value(branch, point):
-        normal = np.append(np.zeros(len(z) - 1), 1.0 / weights[-1])
+        normal = parameter_held(weights)
         shift = aside * weights * np.cos(np.arange(1.0, len(z) + 1.0))
         guess = np.append((z + shift)[:-1], z[-1])
         problem = refined(problem, z, weights)

@@ -19,7 +19,7 @@ from contwalk.errors import ContwalkError
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.guard_status import ENTERING, guard_statuses
 from contwalk.flow.hybrid.machine import hybrid_machine
-from contwalk.numerics.linear import kernel_direction
+from contwalk.numerics.linear import kernel_direction, parameter_held
 from contwalk.problems.hybrid.least_part import least
 from contwalk.problems.hybrid.legs_without_length import collapsed
 from contwalk.problems.hybrid.limited_orbit import LimitedOrbit
@@ -213,7 +213,7 @@ def _simulated(problem: LimitedOrbit, guess: np.ndarray, trial: Trial, label: st
         type(problem), problem.system, line, float(guess[-1]), recurrence, problem.discretization
     )
     weights = filled_magnitudes(rough, start)
-    normal = np.append(np.zeros(len(start) - 1), 1.0 / weights[-1])
+    normal = parameter_held(weights)
     start = newton_on(rough, start, weights, normal)
     there = discretized(rough, start)
     start = newton_on(there, start, weights, normal)
@@ -223,8 +223,7 @@ def _simulated(problem: LimitedOrbit, guess: np.ndarray, trial: Trial, label: st
         alike = abs(there.duration(start) / problem.duration(guess) - 1.0) < room and not trial.settles
         if alike and there.itinerary in rotations:
             raise ContwalkError("the motion has the same signature still, run through more than once")
-        normal = np.append(np.zeros(len(start) - 1), 1.0 / weights[-1])
-        start = newton_on(there, start, weights, normal)
+        start = newton_on(there, start, weights, parameter_held(weights))
     at_once = collapsed(there, start)
     if at_once:
         raise ContwalkError(f"in the orbit that a simulation leads to '{at_once}' happens at once")

@@ -11,6 +11,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.numerics.distinct import distinct
+from contwalk.numerics.linear import parameter_held
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.orbit.lifts import PLAIN
@@ -215,7 +216,7 @@ def closed(problem: AnyOrbit, rough: Sample) -> tuple[AnyOrbit, Sample] | None:
         return None
     along, z, before = rough.tangent / rough.weights**2, rough.z, np.inf
     held = abs(rough.share) > STEEP
-    normal = np.append(np.zeros(len(z) - 1), 1.0 / rough.weights[-1]) if held else along
+    normal = parameter_held(rough.weights) if held else along
     for _ in range(MOST_CORRECTIONS):
         if not linearization.finite:
             return None
