@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from contwalk.plotting import plot_stability_map as plot_stability_map
     from contwalk.plotting import save as save
     from contwalk.plugin_check.at_load import load_system as load_system
+    from contwalk.plugin_check.at_load import system_from_text as system_from_text
     from contwalk.problems.equilibrium.equilibrium import Equilibrium as Equilibrium
     from contwalk.problems.orbit.discretization import Discretization as Discretization
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit as PeriodicOrbit
@@ -52,6 +53,7 @@ _HOMES = {
     "run": "contwalk.workflow.runner",
     "save": "contwalk.plotting",
     "switch_branch": "contwalk.studies.verbs",
+    "system_from_text": "contwalk.plugin_check.at_load",
 }
 
 __all__ = sorted(_HOMES)

@@ -22,6 +22,7 @@ _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT)
 INTERRUPTED, TERMINATED = 130, 143  # 128 + SIGINT, 128 + SIGTERM, as shells count
 
 _COMMANDS = {
+    "import": ("contwalk.cli.import_command", "Make a plugin of a model that exists: .ode, .txt."),
     "init": ("contwalk.cli.init_command", "Write a commented run file for a system, to start from."),
     "continue": ("contwalk.cli.continue_command", "Compute the study that a run file describes."),
     "simulate": ("contwalk.cli.simulate_command", "Integrate one motion and locate its events."),

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
 from contwalk.cli.model_option import model_of, model_option
-from contwalk.errors import ContwalkError
+from contwalk.cli.new_files import relative_to_run_file, write_new
 
 
 @click.command("init")
@@ -28,24 +27,7 @@ def command(system: str, output: str | None, choices: Sequence[str]) -> None:
 
     loaded = load_system(system, model_of(choices))
     path = Path(output or f"{loaded.name}.yaml")
-    reference = _relative(system, path) if is_path(system) else system
+    reference = relative_to_run_file(system, path) if is_path(system) else system
     text = starting_file(loaded, reference)
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise ContwalkError(f"{path} exists.", "Give another name with -o, or remove it first.") from None
-    except OSError as error:
-        raise ContwalkError(
-            f"{path} cannot be written: {error.strerror}.", "Give another name with -o."
-        ) from None
+    write_new({path: text})
     click.echo(f"Wrote {path}. Next: contwalk continue {path}")
-
-
-def _relative(plugin: str, run_file: Path) -> str:
-    """The plugin's path as the run file must say it."""
-    try:
-        path = Path(os.path.relpath(Path(plugin).resolve(), run_file.resolve().parent)).as_posix()
-    except ValueError:  # on another drive
-        return Path(plugin).resolve().as_posix()
-    return path if path.startswith("../") else f"./{path}"

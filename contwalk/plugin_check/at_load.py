@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from contwalk.equations.loading import PREFIX
 from contwalk.errors import SystemDefinitionError
 from contwalk.plugin_check.angles import check_angles_of_fields
 from contwalk.plugin_check.declarations import check_period, check_repeats
@@ -41,6 +42,27 @@ def load_system(
     system = load_declared(reference, model, base)
     refuse_unsound(system)
     return system
+
+
+def system_from_text(text: str) -> System:
+    """The system that a text of equations defines, as `"x' = a - x*y; y' = x*y - y; a = 1.2"`.
+
+    Parameters
+    ----------
+    text : str
+        One equation a line or between semicolons: `docs/reference/equations.md` has what may stand there.
+
+    Raises
+    ------
+    SystemDefinitionError
+        With the line of the text.
+    """
+    if not isinstance(text, str):
+        raise SystemDefinitionError(
+            f"The equations are a {type(text).__name__}, not a text.",
+            'Give one, as in "x\' = a - x; a = 1".',
+        )
+    return load_system(PREFIX + text)
 
 
 def refuse_unsound(system: System) -> None:

@@ -8,11 +8,12 @@ from collections.abc import Iterable, Mapping
 from itertools import combinations
 from typing import Any
 
+from contwalk.column_names import COLUMN_OF_SPECTRUM, RESERVED
 from contwalk.errors import SystemDefinitionError
 from contwalk.labels import EVERY_MEANING
 from contwalk.system.declared import Declared
 from contwalk.system.modes import Mode, Transition
-from contwalk.system.names import COLUMN_OF_SPECTRUM, RESERVED, article, is_number, nearest, shown
+from contwalk.system.names import article, is_number, nearest, shown
 from contwalk.system.special_points import KindOfPoint
 from contwalk.system.symmetries import Conserved, Neutral, Symmetry
 

@@ -10,8 +10,9 @@ Rules of the contract
    Exact derivatives of every order are taken from them; a plugin never supplies one.
 """
 
+from contwalk.column_names import RESERVED, SPLIT
 from contwalk.system.modes import DIRECTIONS, Condition, Mode, Transition
-from contwalk.system.names import RESERVED, SIDES, SPLIT, nearest
+from contwalk.system.names import SIDES, nearest
 from contwalk.system.observables import Observable, Signal
 from contwalk.system.parameter_values import ParameterValues
 from contwalk.system.starts import Start, Study

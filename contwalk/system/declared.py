@@ -39,6 +39,7 @@ class Declared:
     about: str = ""
     model: Mapping[str, Any] = attribute(default_factory=dict)
     source: str = ""
+    loaded_from: str = ""
     conditions: tuple[Condition, ...] = ()
     signals: tuple[Signal, ...] = ()
     study: Study | None = None

@@ -1,9 +1,10 @@
-"""Finding a system: by entry-point name, or by the path of a plugin file."""
+"""Finding a system: by entry-point name, by the path of a plugin file, or by its equations."""
 
 from __future__ import annotations
 
 import hashlib
 import importlib.util
+import os
 import sys
 import traceback
 from collections.abc import Mapping
@@ -12,6 +13,7 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from typing import Any, NoReturn
 
+from contwalk.equations.loading import hash_of_equations, is_equations, module_of
 from contwalk.errors import ContwalkError, SystemDefinitionError, called
 from contwalk.memory import remembered
 from contwalk.system.declarations import System, nearest
@@ -30,7 +32,9 @@ def list_systems() -> dict[str, str]:
 
 
 def is_path(reference: str) -> bool:
-    """Whether a reference to a system is the path of a plugin file rather than an installed name."""
+    """Whether a reference to a system is the path of a plugin file, and neither a name nor equations."""
+    if is_equations(reference):
+        return False
     return reference.endswith(".py") or "/" in reference or "\\" in reference
 
 
@@ -40,7 +44,7 @@ def load_declaration(reference: str, base: Path | None = None) -> System | Famil
     Parameters
     ----------
     reference : str
-        An installed system's name, or the path of a plugin file.
+        An installed system's name, the path of a plugin file, or `equations:` with the text behind it.
     base : Path, optional
         What a relative path is relative to; the current directory by default.
 
@@ -49,6 +53,8 @@ def load_declaration(reference: str, base: Path | None = None) -> System | Famil
     SystemDefinitionError
         If there is no such system, or its file cannot be imported or exports no `SYSTEM`.
     """
+    if is_equations(reference):
+        return _checked(module_of(reference).SYSTEM, reference)
     if is_path(reference):
         return _from_file((base or Path.cwd()) / reference, reference, base)
     for point in installed():
@@ -92,7 +98,8 @@ def load_system(
         )
     else:
         system = declared
-    return replace(system, source=source)
+    place = str(Path(os.path.abspath((base or Path.cwd()) / reference))) if is_path(reference) else reference
+    return replace(system, source=source, loaded_from=place)
 
 
 def files_of(system: System, reference: str, base: Path | None = None) -> dict[str, str]:
@@ -106,6 +113,8 @@ def plugin_files(reference: str, base: Path | None = None) -> dict[str, str]:
     They are the plugin's own file and the files of its folder, or package, that it imports; see
     `contwalk.system.plugin_files`. Empty where there is no such plugin.
     """
+    if is_equations(reference):
+        return hash_of_equations(reference)
     if is_path(reference):
         return hashes_of_file((base or Path.cwd()) / reference)
     point = next((point for point in installed() if point.name == reference), None)

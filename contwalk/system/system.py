@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.column_names import SPLIT
 from contwalk.errors import StartError, SystemDefinitionError, called
 from contwalk.memory import memory_of, remembered
 from contwalk.system.checks import check_labels, check_presets, check_references, entries_of
 from contwalk.system.declared import Declared, with_conserved
 from contwalk.system.modes import Condition, Mode, Transition
-from contwalk.system.names import SPLIT, is_number, nearest, require_callable, require_name, require_texts
+from contwalk.system.names import is_number, nearest, require_callable, require_name, require_texts
 from contwalk.system.observables import Observable, Signal, with_extremes
 from contwalk.system.parameter_values import ParameterValues
 from contwalk.system.special_points import KindOfPoint

@@ -28,6 +28,8 @@ class State:
         One line of meaning.
     period : float, optional
         For an angle, its period (`2 * math.pi`): states that differ by it are the same motion.
+    start : float, optional
+        Its value where motions may begin: with those of the other states, what `contwalk init` writes.
     """
 
     name: str
@@ -35,6 +37,7 @@ class State:
     scale: float | None = None
     about: str = ""
     period: float | None = None
+    start: float | None = None
 
     def __post_init__(self) -> None:
         require_name("A state", self.name)
@@ -44,6 +47,10 @@ class State:
                 raise SystemDefinitionError(
                     f"State '{self.name}' has {what} {value!r}.", f"A {what} is a positive number."
                 )
+        if self.start is not None and not (is_number(self.start) and math.isfinite(self.start)):
+            raise SystemDefinitionError(
+                f"State '{self.name}' has start {self.start!r}.", "A start is a finite number."
+            )
 
 
 def declared_scales(states: Sequence[State]) -> np.ndarray:

@@ -23,6 +23,7 @@ RUN = {
     "docs/howto/relays.md": "docs/test_howto_events.py",
     "docs/howto/scuffing.md": "docs/test_scuffing.py",
     "docs/howto/storage_backends.md": "page_backend.py",
+    "docs/reference/equations.md": "docs/test_equations_page.py",
     "docs/reference/plugin.md": "docs/test_tutorials.py",
     "docs/tutorials/first_chart.md": "docs/test_first_chart.py",
     "docs/tutorials/first_orbit.md": "docs/test_tutorials.py",

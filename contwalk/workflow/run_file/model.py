@@ -41,6 +41,7 @@ from contwalk.workflow.run_file.values import (
     as_figure,
     as_labels,
     as_starts,
+    as_system,
     as_tuple,
     list_or_span,
     wrong,
@@ -257,7 +258,10 @@ class RunModel(Section):
     """Every key of a run file."""
 
     contwalk: int = Field(default=1, ge=1, le=1, description="1, the version of this format")
-    system: str = Field(description="an installed system's name, or the path of a plugin file, ./my_model.py")
+    system: Annotated[str, BeforeValidator(as_system)] = Field(
+        description="an installed system's name, the path of a plugin file, ./my_model.py, or "
+        '{equations: "x\' = a - x; a = 1"}'
+    )
     author: str | None = Field(default=None, description="text: who has made the study")
     description: str | None = Field(default=None, description="text: what the study is of")
     model: dict[str, Any] = Field(default={}, description="{choice: value, ...}")

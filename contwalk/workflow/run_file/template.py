@@ -182,7 +182,11 @@ def _start_lines(system: System, values: Mapping[str, float]) -> list[str]:
 
 
 def _guess(system: System) -> list[float]:
-    """States, zero if possible, at which no guard of the first mode is zero, or past it, at the defaults."""
+    """The start that is declared; else states, zero if possible, at which no guard of the first mode is zero,
+    or past it, at the defaults.
+    """
+    if any(state.start is not None for state in system.states):
+        return [float(state.start or 0.0) for state in system.states]
     tried = [np.zeros(len(system.states)), *np.round(samples_of(system, None).states, 2)]
     return min(tried, key=lambda x: _passed(system, x)).tolist()
 

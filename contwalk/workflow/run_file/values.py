@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, Discriminator, PlainValidator, Tag
 from pydantic_core import PydanticCustomError
 
+from contwalk.equations.loading import PREFIX
 from contwalk.workflow.run_file.document import shown
 from contwalk.workflow.run_file.names import BORN, CURVES, FOLLOWED, LOWEST_ACCURACY
 
@@ -113,6 +114,18 @@ def as_starts(value: Any) -> Any:
     if value == []:
         raise wrong("is an empty list.")
     return as_tuple(value)
+
+
+def as_system(value: Any) -> Any:
+    """Equations as the reference that stands for them; a name or a path as it is."""
+    if not isinstance(value, dict):
+        return value
+    form = 'Allowed: a name, a path, or {equations: "x\' = a - x; a = 1"}.'
+    if set(value) != {"equations"}:
+        raise wrong("is a mapping that has not the one key equations.", form)
+    if not isinstance(value["equations"], str):
+        raise wrong(f"has equations that are {shown(value['equations'])}, not a text.", form)
+    return PREFIX + value["equations"]
 
 
 def as_figure(value: Any) -> Any:
