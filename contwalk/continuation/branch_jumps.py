@@ -54,12 +54,7 @@ class _Middle:
 
 
 def misshapen(
-    a: Sample,
-    z: np.ndarray,
-    tangent: np.ndarray,
-    prediction: Prediction,
-    settings: Settings,
-    shorter: bool,
+    a: Sample, z: np.ndarray, tangent: np.ndarray, prediction: Prediction, settings: Settings, shorter: bool
 ) -> Refusal | None:
     """Why a step is refused on which the branch turns too much, or that may have ended on another branch.
 

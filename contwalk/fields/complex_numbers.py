@@ -148,17 +148,11 @@ def _pow(a: Pair, b: Pair) -> Pair:
 
 
 def _sin(a: Pair) -> Pair:
-    return (
-        _real("sin", a[0]) * _real("cosh", a[1]),
-        _real("cos", a[0]) * _real("sinh", a[1]),
-    )
+    return (_real("sin", a[0]) * _real("cosh", a[1]), _real("cos", a[0]) * _real("sinh", a[1]))
 
 
 def _cos(a: Pair) -> Pair:
-    return (
-        _real("cos", a[0]) * _real("cosh", a[1]),
-        -(_real("sin", a[0]) * _real("sinh", a[1])),
-    )
+    return (_real("cos", a[0]) * _real("cosh", a[1]), -(_real("sin", a[0]) * _real("sinh", a[1])))
 
 
 def _sinh(a: Pair) -> Pair:

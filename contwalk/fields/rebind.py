@@ -187,11 +187,7 @@ _LINALG |= refusals(np.linalg, LINEAR_ALGEBRA)
 _NUMPY |= refusals(np, ROUNDED)
 # Functions of SciPy, by the names of its ufuncs.
 _SCIPY = {name: _function(name) for name in ("erf", "erfc", "gamma", "cbrt", "expm1", "log1p")}
-_SCIPY |= {
-    "gammaln": _function("lgamma"),
-    "psi": lambda x: dispatch("polygamma", (0.0, x)),
-    "expit": expit,
-}
+_SCIPY |= {"gammaln": _function("lgamma"), "psi": lambda x: dispatch("polygamma", (0.0, x)), "expit": expit}
 _BUILTINS = {"min": _extreme("min"), "max": _extreme("max"), "float": _float, "complex": made}
 _MODULES: dict[str, dict[str, Any]] = {
     "math": _MATH,

@@ -90,10 +90,7 @@ def _from_table(x: Number, places: np.ndarray, values: np.ndarray, ends: tuple[A
     beyond = np.nextafter(places[-1], math.inf)
     last = [] if len(places) == 1 else [places[-1]]
     breaks = [*places[:-1], *last, beyond] if len(places) > 1 else [places[0], beyond]
-    rows = [
-        [0.0, *slopes, 0.0, 0.0],
-        [float(ends[0]), *values, float(ends[1])],
-    ]
+    rows = [[0.0, *slopes, 0.0, 0.0], [float(ends[0]), *values, float(ends[1])]]
     return piecewise(x, breaks, [places[0], *places, places[-1]], rows)
 
 

@@ -16,6 +16,7 @@ from contwalk.plugin_check import declarations
 from contwalk.plugin_check.absent import check_absent
 from contwalk.plugin_check.angles import check_angles_of_fields
 from contwalk.plugin_check.at_events import check_at_all_events, check_at_event
+from contwalk.plugin_check.at_one_instant import check_at_one_instant
 from contwalk.plugin_check.conserved import check_conserved
 from contwalk.plugin_check.cut_powers import check_cut_powers
 from contwalk.plugin_check.event_kinks import check_event_kinks, check_told_kinks
@@ -133,6 +134,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     seen = None
     if system.acting and len(happenings) == len(distinct):
         seen = _seen(report, system, list(fields), happenings, samples)
+        check_at_one_instant(report, system, happenings, samples)
     passed = set[str]() if seen is None else set(seen.events)
     for happening in happenings:
         check_passing(report, happening, fields[happening.transition.source], samples, happenings, passed)

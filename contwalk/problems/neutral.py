@@ -166,11 +166,7 @@ def constant(direction: np.ndarray, name: str = UNDECLARED) -> Neutral:
     return Neutral(name, generator)
 
 
-def kept(
-    pins: Sequence[Neutral],
-    line: ParameterLine,
-    states: int,
-) -> dict[str, Any]:
+def kept(pins: Sequence[Neutral], line: ParameterLine, states: int) -> dict[str, Any]:
     """What is stored with a branch so that its equations can be set up again, as plain JSON values."""
     undeclared = [
         generator_at(pin, np.zeros(states), line.parameters) for pin in pins if pin.name in (UNDECLARED, SUM)

@@ -39,6 +39,7 @@ from contwalk.problems.sample import NO_MARGIN, Sample
 from contwalk.problems.stored_itinerary import StoredItinerary
 from contwalk.python_functions import line_aside
 from contwalk.signatures import folded
+from contwalk.studies.at_one_instant import joined, sentence_on
 from contwalk.studies.families import is_one_of_a_family
 from contwalk.studies.orbit_start import OrbitStart
 from contwalk.studies.orbits_not_alone import (
@@ -166,6 +167,9 @@ def _hybrid(
             sentence = f"{sentence} {not_begun.PERHAPS_NOT_PERIODIC if settled else ''}".strip()
         return not_alone(problem, z, state) or not_begun.no_start(state.reason, sentence, "a periodic orbit")
     problem, _ = equations_at(problem, state.sample.z)
+    one_instant = joined(problem, state.sample)
+    if one_instant is not None:
+        return one_instant if isinstance(one_instant, Outcome) else _hybrid(*one_instant, settings, settled)
     collapsed = collapsed_event(problem, state.sample.z)
     if collapsed:
         return outcome_of_family(problem, z) or _collapsed(
@@ -192,7 +196,7 @@ def _hybrid(
         sample.z, sample.tangent, sample.weights, adapted.linearize(sample.z), sample.unstable
     )
     lost = [problem.limits[k].name for k in np.flatnonzero(sample.margins < -NO_MARGIN)]
-    message = unused_symmetries(problem, state.sample.z)
+    message = f"{unused_symmetries(problem, state.sample.z)} {sentence_on(problem)}".strip()
     if settled and sample.unstable:
         message = f"{message} {UNSTABLE}".strip()
     if lost:

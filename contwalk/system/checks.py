@@ -11,6 +11,7 @@ from typing import Any
 from contwalk.column_names import COLUMN_OF_SPECTRUM, RESERVED
 from contwalk.errors import SystemDefinitionError
 from contwalk.labels import EVERY_MEANING
+from contwalk.system.at_one_instant import before_others
 from contwalk.system.declared import Declared
 from contwalk.system.modes import Mode, Transition
 from contwalk.system.names import article, is_number, nearest, shown
@@ -90,6 +91,7 @@ def check_references(system: Declared) -> None:
     for transition in system.transitions:
         _check_ends(system, transition)
         _check_relabel(system, transition)
+    _check_orders(system)
     for mode in system.modes:
         _check_constants(system, mode)
     for symmetry in system.symmetries:
@@ -268,6 +270,28 @@ def _check_images(system: Declared, symmetry: Symmetry) -> None:
                     f"Symmetry '{symmetry.name}' names the {what} '{name}', which is not declared.",
                     nearest(name, sorted(known[what])) or f"Name declared {what}s.",
                 )
+
+
+def _check_orders(system: Declared) -> None:
+    """Refuse declared orders of transitions that are not declared, do not act, or go round in a circle."""
+    acting = {transition.name for transition in system.acting}
+    for transition in system.transitions:
+        for name in transition.together:
+            if name not in acting:
+                raise SystemDefinitionError(
+                    f"Transition '{transition.name}' has together={transition.together}, but '{name}' is no "
+                    "transition that acts.",
+                    nearest(name, sorted(acting)) or f"Transitions that act: {', '.join(sorted(acting))}.",
+                )
+    names = ", ".join(
+        f"'{name}'" for name, earlier in before_others(system.transitions).items() if name in earlier
+    )
+    if names:
+        raise SystemDefinitionError(
+            f"System '{system.name}': the orders declared by together contradict each other: by them each of "
+            f"{names} comes before itself.",
+            "Declare one order of them.",
+        )
 
 
 def _check_relabel(system: Declared, transition: Transition) -> None:

@@ -68,6 +68,10 @@ class Transition:
 
     With `level` it happens as well, at once, where mode `source` is entered with the guard past zero: which
     mode the machine is in then follows from where it is. Soft transitions always do.
+
+    `together` names transitions in the order in which they act where they have the same instant, as two feet
+    have that land together. It may stand at any of them. Those that commute need none: whichever acts first,
+    mode and state are the same after both.
     """
 
     name: str
@@ -80,6 +84,7 @@ class Transition:
     about: str = ""
     relabel: str | None = None
     level: bool = False
+    together: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         require_name("A transition", self.name)
@@ -105,6 +110,17 @@ class Transition:
                 f"Transition '{self.name}' has level=True, but "
                 + ("no side of its guard is past zero." if self.direction == "both" else "does not act."),
                 "Give it a direction, 'falling' or 'rising', and a role that acts, or leave level out.",
+            )
+
+        if isinstance(self.together, list):
+            object.__setattr__(self, "together", tuple(self.together))
+        names = self.together
+        listed = isinstance(names, tuple) and all(isinstance(name, str) for name in names)
+        if not listed or len(set(names)) != len(names) or len(names) == 1:
+            raise SystemDefinitionError(
+                f"Transition '{self.name}' has together={shown(names)}.",
+                "Give the names of two transitions or more, in the order in which they act where they have "
+                "the same instant, as in together=('left', 'right').",
             )
 
     @property

@@ -13,6 +13,7 @@ import numpy as np
 from contwalk.column_names import SPLIT
 from contwalk.errors import StartError, SystemDefinitionError, called
 from contwalk.memory import memory_of, remembered
+from contwalk.system.at_one_instant import before_others, in_declared_order
 from contwalk.system.checks import check_labels, check_presets, check_references, entries_of
 from contwalk.system.declared import Declared, with_conserved
 from contwalk.system.modes import Condition, Mode, Transition
@@ -182,7 +183,7 @@ class System(Declared):
         return tuple(i for i, name in enumerate(self.state_names) if names is None or name in names)
 
     def leaving(self, mode: str) -> tuple[Transition, ...]:
-        """The transitions out of a mode, watched ones included, in their order."""
+        """The transitions out of a mode, watched ones included: as declared, but for a declared order."""
         return self._leaving.get(mode, ())
 
     @cached_property
@@ -190,7 +191,12 @@ class System(Declared):
         found: dict[str, list[Transition]] = {}
         for transition in self.transitions:
             found.setdefault(transition.source, []).append(transition)
-        return {mode: tuple(transitions) for mode, transitions in found.items()}
+        return {mode: in_declared_order(each, self.earlier_at_once) for mode, each in found.items()}
+
+    @cached_property
+    def earlier_at_once(self) -> dict[str, frozenset[str]]:
+        """Names of the transitions that act before one of a name where they have the same instant."""
+        return before_others(self.transitions)
 
     def transition(self, name: str, source: str | None = None) -> Transition:
         """A transition by its name, and by the mode that it leads out of where several have the name.

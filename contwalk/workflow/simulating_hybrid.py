@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.problems.orbit.layout import Layout
 from contwalk.problems.stored_itinerary import StoredItinerary
+from contwalk.studies.at_one_instant import differing
 from contwalk.system import System, Transition
 from contwalk.system.falling import FALLEN, falls, name_of_fall
 from contwalk.system.names import free_name
@@ -109,7 +111,7 @@ def simulated(
                 break
     events = [(machine.transition(each.transition, each.mode), each) for each in found if each.transition]
     ends = [(transition, float(each.times[-1]), each.states[-1]) for transition, each in events]
-    note = f"{note} {going_through(machine, ends)}".strip()
+    note = " ".join(filter(None, (note, going_through(machine, ends), _orders(machine, found, weights))))
     begin, finish = found[0].times[0], found[-1].times[-1]
     times, values, modes = _stored(machine, found, np.linspace(begin, finish, points), method)
     steps_taken = np.unique(np.concatenate([part.times for part in found]))
@@ -126,6 +128,14 @@ def simulated(
         note=note,
         drawn=_stored(machine, found, drawn_at(steps_taken, points), method),
     )
+
+
+def _orders(machine: HybridMachine, found: Sequence[MotionSegment], weights: np.ndarray) -> str:
+    """What is to be said of the first transitions at one instant whose order matters and is not declared."""
+    following = pairwise(found)
+    at_once = [before for before, after in following if before.transition and len(after.times) == 1]
+    sentences = (differing(machine, float(o.times[-1]), o.states[-1], o.mode, weights) for o in at_once)
+    return next(filter(None, sentences), "")
 
 
 def _begun(machine: HybridMachine, beginning: Beginning) -> tuple[list[MotionSegment], np.ndarray, str]:

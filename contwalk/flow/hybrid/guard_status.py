@@ -18,24 +18,11 @@ from contwalk.flow.hybrid import guard_taylor_records as records
 from contwalk.flow.hybrid.guard_taylor import GuardTaylor
 from contwalk.flow.hybrid.machine import ModeFlow
 
-CLEAR, LEAVING, PASSED, ENTERING, BEYOND, RESTING, UNDEFINED = (
-    "clear",
-    "leaving",
-    "passed",
-    "entering",
-    "beyond",
-    "resting",
-    "undefined",
-)
+KINDS = "clear", "leaving", "entering", "beyond", "resting", "undefined"
+CLEAR, LEAVING, ENTERING, BEYOND, RESTING, UNDEFINED = KINDS
+PASSED = "passed"
 
-_KINDS = {
-    records.CLEAR: CLEAR,
-    records.LEAVING: LEAVING,
-    records.ENTERING: ENTERING,
-    records.BEYOND: BEYOND,
-    records.RESTING: RESTING,
-    records.UNDEFINED: UNDEFINED,
-}
+_KINDS = {getattr(records, kind.upper()): kind for kind in KINDS}
 
 # A guard counts as zero within so many of its uncertainties; right after its own event within more.
 ROUNDINGS, AFTER_RESET = 8.0, 1e3

@@ -226,9 +226,10 @@ def _stands(
             begins = f"after transition '{last}'" if last else "at the start"
             reason = f"The {what} of mode '{flow.name}' is not finite {begins}, t = {t:.10g}."
             return [], Verdict("not_finite", reason)
-    own = flow.left_at_zero(last) | clocks.happened(t, flow)
-    given = noise[flow.states], weights[flow.states]
-    standing = guard_statuses(flow, t, y, *given, own, flow.passed(last))
+    through = flow.passed(last) | clocks.gone_through(flow)
+    own = flow.left_at_zero(last) | clocks.happened(t, flow) | through
+    standing = guard_statuses(flow, t, y, noise[flow.states], weights[flow.states], own, through)
+    clocks.stand(flow, standing)
     for number, (transition, guard) in enumerate(zip(flow.transitions, standing, strict=True)):
         if guard.kind == UNDEFINED and transition.role != "watched":
             return standing, Verdict(

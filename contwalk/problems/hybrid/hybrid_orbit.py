@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.memory import of_unowned
 from contwalk.problems.hybrid import (
+    coming_apart,
     end_maps,
     jumping_limits,
     leg_durations,
@@ -32,7 +34,7 @@ from contwalk.problems.orbit.observing import split
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 # Multipliers whose difference has a smaller square meet, to rounding.
 MEET = 1e-12
@@ -95,6 +97,11 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
 
     # -- along a branch ----------------------------------------------------------------------------------
 
+    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """Those of the closure map; none is known where it has one on each side. z has the shape (N + 1,)."""
+        found = super().multipliers(z, jacobian)
+        return found.doubted(np.inf) if self.itinerary.ordered else found
+
     def _watched(
         self, z: np.ndarray, found: Multipliers, error: float, known: Sample | None
     ) -> dict[str, Any]:
@@ -118,6 +125,10 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
 
     # -- special points ----------------------------------------------------------------------------------
 
+    def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a special point of a kind, but for those on which events come apart."""
+        return [seed for seed in super().leaving(kind, point) if not coming_apart.along(seed)]
+
     def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
         """The special point of a kind near a sample, by its augmented system."""
         if kind.test is Test.MARGIN:
@@ -138,5 +149,9 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
         if kind.test is Test.MARK and abs(split(sample.eigenvalues)) < MEET:
             met = "two multipliers meet: each is known to the root of rounding only, their mean far better"
             record = replace(record, note=met if record.note is None else f"{record.note}; {met}")
+        if coming_apart.critical(there, located.z, kind.multiplier, record.coefficients):
+            note = "; ".join(filter(None, (record.note, coming_apart.told(there))))
+            kept = {key: value for key, value in record.coefficients.items() if key == "theta"}
+            record = replace(record, kind=None, criticality=None, coefficients=kept, note=note)
         values = there.margins(located.z)
         return replace(record, admissible=values.admissible, margin=values.by_name)

@@ -21,7 +21,7 @@ def collapsed(orbit: LimitedOrbit, z: np.ndarray) -> str:
     largest = max(float(np.max(np.abs(view.nodes))) for view in orbit.view(z))
     if orbit.itinerary.eventful and moved <= STILL * largest and not _clocked(orbit):
         return orbit.itinerary.legs[0].name
-    lasting = [i for i, leg in enumerate(orbit.itinerary.legs) if not leg.collapsed]
+    lasting = [i for i, leg in enumerate(orbit.itinerary.legs) if not leg.momentary]
     shortest = min(lasting, key=lambda i: float(z[orbit.layout.durations][i]))
     lasts = float(z[orbit.layout.durations][shortest])
     if not orbit.itinerary.eventful or lasts > COLLAPSED * orbit.duration(z):

@@ -127,7 +127,8 @@ def margins(problem: LimitedOrbit, z: np.ndarray) -> Margins:
         i = limit.leg
         view = views[i]
         if limit.test == "duration":
-            found = view.duration, total, 1.0
+            together = problem.itinerary.legs[i].together
+            found = _kept(view.duration, total) if together else view.duration, total, 1.0
         elif limit.test == "condition":
             found = view.conditions[limit.name], 1.0, 1.0
         elif guard is None:
@@ -143,6 +144,13 @@ def margins(problem: LimitedOrbit, z: np.ndarray) -> Margins:
         rows.append(found)
     values, scales, places = np.array(rows).reshape(len(rows), 3).T
     return Margins(problem.limits, values, scales, places)
+
+
+def _kept(duration: float, total: float) -> float:
+    """What has to stay positive of the duration of a leg that lasts no time by a symmetry: nothing, as long
+    as it does not.
+    """
+    return np.inf if abs(duration) <= BELOW * total else -abs(duration)
 
 
 def _entered(problem: LimitedOrbit, limit: Limit, view: GuardedView) -> tuple[float, float, float]:
@@ -223,7 +231,7 @@ def _guarded(problem: LimitedOrbit, i: int, transition: Transition) -> Guarded:
         _goes_on(leg.transition),
         opens and any(t.name == transition.name for t in system.leaving(before.mode)),
         clock,
-        transition.name in system.passed(itinerary.leading_in(system, i), leg.mode),
+        any(transition.name in system.passed(name, leg.mode) for name in itinerary.at_start(system, i)),
         transition.role == "hard" and not transition.at_entry and transition.direction != "both",
     )
 

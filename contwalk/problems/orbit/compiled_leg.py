@@ -59,13 +59,7 @@ class CompiledLeg(TracedLeg):
                 self.refuse_time(program)
             made = lifted(program, len(self.states), self.columns, lift)
             self._fields[key] = Field(
-                made,
-                states,
-                groups,
-                self.columns,
-                time=("t", 0),
-                differentiable=key[-1],
-                outputs=outputs,
+                made, states, groups, self.columns, time=("t", 0), differentiable=key[-1], outputs=outputs
             )
         return self._fields[key]
 

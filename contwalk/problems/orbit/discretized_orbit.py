@@ -71,7 +71,7 @@ class DiscretizedOrbit(OrbitData):
 
     def _laid_out(self, cuts: int, times: np.ndarray | None = None) -> ClosureLayout | Layout:
         """Where what stands with so many segments in each leg, by default of equal duration; a leg that is
-        collapsed has one.
+        momentary has one.
         """
         legs, pins = self.itinerary.legs, len(self.pins)
         if self.in_closure:
@@ -81,7 +81,7 @@ class DiscretizedOrbit(OrbitData):
                 times = None
             return ClosureLayout(self.states, self.forced, pins, cuts, times)
         sizes = [len(self.system.states_of(leg.mode)) for leg in legs]
-        return Layout(sizes, self.forced, pins, [1 if leg.collapsed else cuts for leg in legs])
+        return Layout(sizes, self.forced, pins, [1 if leg.momentary else cuts for leg in legs])
 
     # -- variants ----------------------------------------------------------------------------------------
 
@@ -376,4 +376,4 @@ def _chosen(orbit: DiscretizedOrbit, times: np.ndarray) -> bool:
 def added_by_cuts(orbit: DiscretizedOrbit) -> int:
     """How many unknowns each further segment in all legs adds."""
     each = zip(orbit.itinerary.legs, orbit.layout.sizes, strict=True)
-    return sum(n for leg, n in each if not leg.collapsed) + int(orbit.uneven)
+    return sum(n for leg, n in each if not leg.momentary) + int(orbit.uneven)

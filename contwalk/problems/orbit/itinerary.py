@@ -6,7 +6,9 @@ no event is one leg without a transition; one that is looked at from an instant 
 a leg, which the first one continues.
 
 A mode may be entered where the guard of a transition is past zero that acts at entry. It then lasts no time:
-a leg that is collapsed, of which the itinerary tells as of any other.
+a leg that is collapsed, of which the itinerary tells as of any other. By a symmetry two transitions may
+happen at one instant all along a branch. They follow each other as in any itinerary, and the leg between them
+ends where its guard is zero: its duration is zero on the orbit, and not beside it.
 
 An orbit that is its own mirror image half a period later is half a cycle: after the last transition the state
 is the image of the first one.
@@ -16,6 +18,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import takewhile
 from math import gcd
 from typing import Any
 
@@ -35,17 +39,28 @@ class Leg:
         Whether the guard falls through zero at its end; else it rises.
     collapsed : bool
         Whether it lasts no time, because its guard is past zero where it begins.
+    together : bool
+        Whether its transition happens at the instant of the one before, by a symmetry.
+    ordered : bool
+        Whether it matters which of both acts first, so that derivatives tell of one side only.
     """
 
     mode: str
     transition: Transition | None = None
     falls: bool = True
     collapsed: bool = False
+    together: bool = False
+    ordered: bool = False
 
     @property
     def name(self) -> str:
         """Name of the transition."""
         return "" if self.transition is None else self.transition.name
+
+    @property
+    def momentary(self) -> bool:
+        """Whether it lasts no time on an orbit."""
+        return self.collapsed or self.together
 
     @property
     def soft(self) -> bool:
@@ -96,6 +111,11 @@ class Itinerary:
             before = imaged_leg(system, self.image, before)
         return before.name
 
+    def at_start(self, system: System, i: int) -> list[str]:
+        """Names of the transitions that happen where leg i begins, the one that leads into it first."""
+        more = takewhile(lambda k: self.legs[i - k].together, range(1, len(self)))
+        return [self.leading_in(system, (i - k) % len(self)) for k in (0, *more)]
+
     def signature(self, system: System) -> tuple[str, ...]:
         """Names of the transitions, from the one that leads into the first leg."""
         return tuple(self.leading_in(system, i) for i in range(len(self))) if self.eventful else ()
@@ -107,6 +127,11 @@ class Itinerary:
     def image_at(self, i: int) -> str:
         """The symmetry that is applied at the end of leg i."""
         return self.image if i == len(self) - 1 else ""
+
+    @cached_property
+    def ordered(self) -> bool:
+        """Whether the order of events at one instant matters."""
+        return any(leg.ordered for leg in self.legs)
 
     @property
     def single(self) -> bool:
@@ -238,8 +263,11 @@ def image_of(system: System, symmetry: Symmetry, leg: Leg) -> Leg:
 
 
 def stored_leg(leg: Leg) -> list[str | bool]:
-    """What is kept of a leg: mode, transition, whether its guard falls, and True if it is collapsed."""
-    return [leg.mode, leg.name, leg.falls, *([True] if leg.collapsed else [])]
+    """What is kept of a leg: mode, transition, whether its guard falls; of one that lasts no time whether it
+    is collapsed, whether it is together with the one before, and whether their order matters.
+    """
+    of_no_time = [leg.collapsed, *([True, leg.ordered] if leg.together else [])] if leg.momentary else []
+    return [leg.mode, leg.name, leg.falls, *of_no_time]
 
 
 def named_itinerary(system: System, legs: Sequence[Sequence[Any]], image: str = "") -> Itinerary:

@@ -141,10 +141,7 @@ class OrbitMirror:
         problem = self._problem
         if problem.itinerary.eventful:
             return True
-        p, values = (
-            ParameterValues(**problem.values_of(z)),
-            problem.given(z),
-        )
+        p, values = ParameterValues(**problem.values_of(z)), problem.given(z)
         scale, at = problem.mesh.variation, 0.3
         x = problem.starts(z)[0] + 0.1 * scale * np.cos(np.arange(1.0, problem.states + 1.0))
         moved = self._map.moved(velocity(problem.passages[0], x, at + self._map.begins.share, values))

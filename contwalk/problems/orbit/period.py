@@ -100,12 +100,7 @@ def _switching(system: System, line: ParameterLine) -> Switching | None:
 
 
 def period_and_slope(
-    system: System,
-    free: str | None,
-    change: np.ndarray,
-    value: float,
-    given: np.ndarray,
-    lift: str = "plain",
+    system: System, free: str | None, change: np.ndarray, value: float, given: np.ndarray, lift: str = "plain"
 ) -> tuple[float, float]:
     """The period at a value of the free parameter, and its derivative by it; of a lift, of its last output.
 

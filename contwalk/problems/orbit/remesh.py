@@ -91,11 +91,7 @@ Closing = Callable[[Kind, Sample], tuple[Kind, Sample] | None]
 
 
 def adapted(
-    orbit: Kind,
-    sample: Sample,
-    closing: Closing[Kind] = closed,
-    most: float = TOO_MUCH,
-    watched: bool = True,
+    orbit: Kind, sample: Sample, closing: Closing[Kind] = closed, most: float = TOO_MUCH, watched: bool = True
 ) -> tuple[Kind, Sample]:
     """The problem with its section, steps and segments made anew at a solution, and its sample on it.
 

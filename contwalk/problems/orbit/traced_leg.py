@@ -191,10 +191,7 @@ class TracedLeg:
         if transition is not None and transition.reset is not None:
             out = np.full(len(x), None, dtype=object)
             rebound(transition.reset)(t, x, p, out)
-        for name in (
-            None if transition is None else transition.relabel,
-            *self.closing.images,
-        ):
+        for name in (None if transition is None else transition.relabel, *self.closing.images):
             if name:
                 given = np.array([0.0 if entry is None else entry for entry in out], dtype=object)
                 out = np.full(len(x), 0.0 if transition is None else None, dtype=object)
@@ -281,7 +278,6 @@ def _written(
     for i in states:
         if out[i] is None:
             raise SystemDefinitionError(
-                f"{what} does not write entry {i} of its last argument.",
-                "Every entry must be written.",
+                f"{what} does not write entry {i} of its last argument.", "Every entry must be written."
             )
     return [out[i] for i in states]

@@ -140,7 +140,7 @@ def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample
     mesh = problem.mesh.divided(cuts) if own else None
     cuts = cuts if mesh is None else mesh.cuts
     passed = [
-        passed_at(problem, sample.z, sample.tangent, i, cuts[:1] if leg.collapsed else cuts)
+        passed_at(problem, sample.z, sample.tangent, i, cuts[:1] if leg.momentary else cuts)
         for i, leg in enumerate(problem.itinerary.legs)
     ]
     return _in_segments(problem, sample, [each for leg in passed for each in leg], cuts, mesh)

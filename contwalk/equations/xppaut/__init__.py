@@ -1,1 +1,0 @@
-"""XPPAUT's .ode files, read as models."""
