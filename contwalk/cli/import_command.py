@@ -22,14 +22,13 @@ def command(model: Path, output: str | None, run_file: str | None) -> None:
     replaced.
     """
     from contwalk.workflow.importing import imported, name_of
-    from contwalk.workflow.run_file.template import starting_file
 
     found = imported(model)
     plugin = Path(output or f"{name_of(model)}.py")
     files = {plugin: found.plugin}
     if run_file is not None:
         run = Path(run_file)
-        files[run] = starting_file(found.system, relative_to_run_file(str(plugin), run))
+        files[run] = found.run_file(relative_to_run_file(str(plugin), run))
     write_new(files)
     for note in found.model.notes:
         click.echo(f"note: {note}", err=True)

@@ -76,6 +76,12 @@ class Model:
     about : str
     reference : str
         Where the model comes from.
+    presets : dict
+        Named sets of parameters.
+    study : tuple of (str, tuple of float), optional
+        A parameter along which something happens, with a range.
+    until : float, optional
+        How long simulations are to last.
     notes : list of str
         What was left out of it, and what the user had better know.
     """
@@ -93,6 +99,9 @@ class Model:
     is_map: bool = False
     about: str = ""
     reference: str = ""
+    presets: dict[str, dict[str, float]] = field(default_factory=dict)
+    study: tuple[str, tuple[float, float]] | None = None
+    until: float | None = None
     notes: list[str] = field(default_factory=list)
 
     def wrong(self, line: int, what: str, remedy: str = "") -> ModelError:

@@ -17,6 +17,10 @@ _WORDS = ("if", "then", "else", "and", "or", "not", "event", "falls", "rises")
 _LOCAL = ("argument", "function", "table")
 
 
+# How many definitions a model may have, and how many lines the signals that they make.
+LARGEST = {"definitions": 3000, "events": 100, "lines": 50_000}
+
+
 def check_names(model: Model) -> None:
     """Refuse names that are taken, unknown, or used as what they are not.
 
@@ -51,6 +55,10 @@ def check_names(model: Model) -> None:
 
 def _check_defined(model: Model) -> None:
     seen: dict[str, int] = {}
+    if sum(1 for _ in model.lines()) > LARGEST["definitions"]:
+        raise model.wrong(1, f"more than {LARGEST['definitions']} names are defined.", "Write a plugin.")
+    if len(model.events) > LARGEST["events"]:
+        raise model.wrong(1, f"the model has more than {LARGEST['events']} events.", "Write a plugin.")
     for kind, name, line in model.lines():
         check_name(model, name, line, kind)
         if name in seen:
@@ -77,7 +85,7 @@ def check_name(model: Model, name: str, line: int, kind: str) -> None:
     taken = ""
     if keyword.iskeyword(name) or name in _WORDS:
         taken = "a word of the language"
-    elif name in FUNCTIONS:
+    elif name in FUNCTIONS and kind in ("function", "table"):
         taken = "a function"
     elif name in CONSTANTS or name == TIME:
         taken = "a constant" if name in CONSTANTS else "the time"
@@ -91,6 +99,13 @@ def check_name(model: Model, name: str, line: int, kind: str) -> None:
             f"the {kind} '{name}' has a name that is taken: it is {taken}.",
             f"Rename it, as in {name}_1.",
         )
+
+
+def usable_name(name: str, function: bool) -> str:
+    """The name, with an underscore behind it where it is taken."""
+    taken = keyword.iskeyword(name) or name in _WORDS or name in CONSTANTS or name == TIME
+    columns = name in RESERVED or COLUMN_OF_SPECTRUM.fullmatch(name) or name.startswith("__")
+    return f"{name}_" if taken or (name in FUNCTIONS if function else columns) else name
 
 
 def _check_used(model: Model, root: Node, line: int, named: set[str], known: Mapping[str, str]) -> None:
@@ -171,7 +186,8 @@ def needs(model: Model) -> dict[str, tuple[str, ...]]:
                 used = dict.fromkeys(sorted(direct))
                 for other in sorted(direct):
                     used |= dict.fromkeys(found.get(other, ()))
-                _check_shadowed(model, top, arguments, direct, found, line)
+                if arguments:
+                    _check_shadowed(model, top, arguments, direct, found, line)
                 found[top] = tuple(used)
     return found
 

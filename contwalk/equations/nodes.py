@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from contwalk.errors import SystemDefinitionError
@@ -84,3 +84,18 @@ def names_in(root: Node) -> set[str]:
 def calls_in(root: Node) -> set[str]:
     """The names of the functions that a tree calls."""
     return {str(part.value) for part in parts_of(root) if part.kind == "call"}
+
+
+def replaced(root: Node, values: Mapping[str, Node]) -> Node:
+    """An expression with others in the place of some names.
+
+    Raises
+    ------
+    ModelError
+        If it is nested too deeply then.
+    """
+    if root.kind == "name":
+        return values.get(str(root.value), root)
+    if not root.parts:
+        return root
+    return node(root.kind, *(replaced(part, values) for part in root.parts), value=root.value)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from contwalk.equations.functions import CONSTANTS, NUMBERS_ALONE
 from contwalk.equations.model import Model
-from contwalk.equations.names import TIME, check_names, needs
+from contwalk.equations.names import LARGEST, TIME, check_names, needs
 from contwalk.equations.nodes import Node, calls_in, names_in
 from contwalk.equations.python import Writer
 
 # Names of a plugin's own; arguments of its functions, and what stands beside them.
 _ARGUMENTS = ("t", "state", "p", "rate", "after", "np", "math")
-_DECLARED = ("Mode", "Parameter", "Signal", "State", "System", "Transition")
+_DECLARED = ("Mode", "Parameter", "Signal", "State", "Study", "System", "Transition")
 _MODULE = ("np", "math", "field", "period", "SYSTEM", *_DECLARED)
 _WIDTH = (100,)
 
@@ -42,6 +42,9 @@ def plugin_of(model: Model, name: str) -> Plugin:
         If a name of the model is unknown or taken, or is used as what it is not.
     """
     check_names(model)
+    if model.is_map:
+        first = next(iter(model.rates.values()))
+        raise model.wrong(first.line, "a map has next states, not rates.", "Write rates, x' = ...")
     return _Writing(model, name).plugin()
 
 
@@ -55,6 +58,8 @@ class _Writing:
     def __init__(self, model: Model, name: str) -> None:
         self.model, self.name = model, name
         self.needs = needs(model)
+        if sum(len(self.needs[name]) for name in model.shown) > LARGEST["lines"]:
+            raise model.wrong(1, "quantities are defined by way of too many others.", "Write a plugin.")
         self.lines: list[tuple[str, int]] = []
         own: dict[str, str] = {}
         for function in (*model.functions, *model.tables):
@@ -112,7 +117,7 @@ class _Writing:
         model, taken = self.model, {*_ARGUMENTS, *self.globals}
         names = {constant: f"math.{constant}" for constant in CONSTANTS}
         names |= {parameter: f"p.{parameter}" for parameter in model.parameters} | {TIME: "t"}
-        for name in (*model.rates, *model.quantities, *arguments):
+        for name in dict.fromkeys((*arguments, *model.rates, *model.quantities)):
             names[name] = _free(name, taken)
             taken.add(names[name])
         return names
@@ -248,6 +253,14 @@ class _Writing:
         self._entries("signals", [(text, 0) for text in signals])
         if model.period is not None:
             self.add("    period=period,", model.period.line)
+        if model.presets:
+            self.add("    presets={")
+            for name, values in model.presets.items():
+                self.add(f"        {_quoted(name)}: {_mapping(values)},")
+            self.add("    },")
+        if model.study is not None:
+            name, (low, high) = model.study
+            self.add(f'    study=Study("{name}", ({low!r}, {high!r})),')
         self.add(f"    reference={_quoted(model.reference or model.source)},")
         self.add(")")
 
@@ -293,6 +306,10 @@ class _Writing:
         self.add(f"{indent})", line)
 
 
+def _mapping(values: Mapping[str, float]) -> str:
+    return f"{{{', '.join(f'{_quoted(name)}: {value!r}' for name, value in values.items())}}}"
+
+
 def _about(text: str) -> str:
     return f", about={_quoted(text)}" if text else ""
 
@@ -304,4 +321,5 @@ def _quoted(text: str) -> str:
 
 def _in_docstring(text: str) -> str:
     """A text that stays inside a docstring."""
-    return " ".join(text.split()).replace("\\", "/").replace('"', "'").rstrip(".")
+    shown = "".join(letter for letter in " ".join(text.split()) if letter.isprintable())
+    return shown.replace("\\", "/").replace('"', "'").rstrip(".")

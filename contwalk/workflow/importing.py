@@ -12,12 +12,14 @@ from contwalk.equations.model import Model
 from contwalk.equations.nodes import ModelError
 from contwalk.equations.plugin import plugin_of
 from contwalk.equations.text import model_of_text
+from contwalk.equations.xppaut.reader import model_of_ode
 from contwalk.errors import ContwalkError
 from contwalk.plugin_check.at_load import refuse_unsound
 from contwalk.system import System
+from contwalk.workflow.run_file.template import starting_file
 
 # What a model's file ends in, and how its text is read.
-READERS = {".txt": model_of_text}
+READERS = {".txt": lambda text, source, folder: model_of_text(text, source), ".ode": model_of_ode}
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,14 @@ class Imported:
     plugin: str
     system: System
     model: Model
+
+    def run_file(self, reference: str) -> str:
+        """A run file for it, with what the model's options say of a study."""
+        text = starting_file(self.system, reference)
+        if self.model.until is None:
+            return text
+        line = f"simulate: {{until: {self.model.until!r}, points: 1000}}   # contwalk simulate: one motion"
+        return re.sub(r"(?m)^# simulate: .*$", line, text)
 
 
 def imported(path: Path) -> Imported:
@@ -43,7 +53,7 @@ def imported(path: Path) -> Imported:
             f"{path} is of a kind that is not known.", f"Its name must end in {', '.join(READERS)}."
         )
     text = _text_of(path)
-    model = reader(text, str(path))
+    model = reader(text, str(path), path.parent)
     model = replace(model, reference=named(path.name, text))
     plugin = plugin_of(model, name_of(path))
     system: System = executed(model, plugin).SYSTEM

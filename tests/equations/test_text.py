@@ -92,8 +92,8 @@ def test_values(right, value):
 
 def test_names_of_the_plugins_own_may_be_used():
     """`p`, `state`, `rate` and the names of arguments stand for what the model says."""
-    text = "p' = rate(after)*p + f(p) + np; after' = field; rate(x) = x^2*np; f(p) = 2*p; np = 3"
-    text += "\nfield = p + np"
+    text = "p' = rate(after)*p + f(p) + np; after' = field; rate(x) = x^2*np; f(p) = 2*p; np = gamma"
+    text += "\nfield = p + np; gamma = 3"
     assert rates_of(text, 2.0, 5.0) == [75.0 * 2 + 4 + 3, 5.0]
 
 
@@ -109,7 +109,7 @@ WRONG = {
     "x' = -x\n\nx' = 2": "line 3: 'x' is defined again; it is on line 1 already",
     "x' = -x; a = 1\na(u) = u": "line 2: 'a' is defined again; it is on line 1",
     "x' = -x\nlambda = 2": "line 2: the parameter 'lambda' has a name that is taken: it is a word",
-    "x' = -x\nsin = 2": "line 2: the parameter 'sin' has a name that is taken: it is a function",
+    "x' = -x\nsin(u) = 2": "line 2: the function 'sin' has a name that is taken: it is a function",
     "stable' = 1": "line 1: the state 'stable' has a name that is taken: it is what contwalk calls",
     "t' = 1": "it is the time",
     "x' = sin(x, 2)": "line 1: sin takes 1 argument, and gets 2",

@@ -1,0 +1,1 @@
+"""XPPAUT's .ode files, read as models."""
