@@ -6,7 +6,9 @@ costs nothing.
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from contwalk.version import __version__ as __version__
@@ -25,6 +27,10 @@ if TYPE_CHECKING:
     from contwalk.problems.equilibrium.equilibrium import Equilibrium as Equilibrium
     from contwalk.problems.orbit.discretization import Discretization as Discretization
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit as PeriodicOrbit
+    from contwalk.shortcuts.diagrams import DiagramFound as DiagramFound
+    from contwalk.shortcuts.diagrams import diagram as diagram
+    from contwalk.shortcuts.from_sympy import system_from_sympy as system_from_sympy
+    from contwalk.shortcuts.models import model as model
     from contwalk.storage import open_database as open_database
     from contwalk.studies.loci import continue_locus as continue_locus
     from contwalk.studies.verbs import continue_branch as continue_branch
@@ -37,13 +43,16 @@ _HOMES = {
     "Branch": "contwalk.branch",
     "ContwalkError": "contwalk.errors",
     "Discretization": "contwalk.problems.orbit.discretization",
+    "DiagramFound": "contwalk.shortcuts.diagrams",
     "Equilibrium": "contwalk.problems.equilibrium.equilibrium",
     "PeriodicOrbit": "contwalk.problems.orbit.periodic_orbit",
     "SpecialPoint": "contwalk.branch",
     "continue_branch": "contwalk.studies.verbs",
     "continue_locus": "contwalk.studies.loci",
+    "diagram": "contwalk.shortcuts.diagrams",
     "diff": "contwalk.comparing.databases",
     "load_system": "contwalk.plugin_check.at_load",
+    "model": "contwalk.shortcuts.models",
     "open_database": "contwalk.storage",
     "plot_bifurcation_diagram": "contwalk.plotting",
     "plot_eigenvalues": "contwalk.plotting",
@@ -53,10 +62,22 @@ _HOMES = {
     "run": "contwalk.workflow.runner",
     "save": "contwalk.plotting",
     "switch_branch": "contwalk.studies.verbs",
+    "system_from_sympy": "contwalk.shortcuts.from_sympy",
     "system_from_text": "contwalk.plugin_check.at_load",
 }
 
 __all__ = sorted(_HOMES)
+
+
+class _Interface(ModuleType):
+    """The package as a module whose public names stay what they are where a folder has the same name."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name in _HOMES and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Interface
 
 
 def __getattr__(name: str) -> Any:

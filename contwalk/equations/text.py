@@ -100,7 +100,7 @@ class _Statement:
                     "a second derivative stands on the left", f"Give the first a name: {name}' = v; v' = ..."
                 )
             self._equation(name, "flow")
-        elif name == "d" or (name[0] == "d" and parser.seen("/", "dt")):
+        elif name[0] == "d" and len(name) > 1 and parser.seen("/", "dt"):
             parser.need("/", "A rate is written x' = ... or dx/dt = ...")
             parser.need("dt", "A rate is written x' = ... or dx/dt = ...")
             self._equation(name[1:], "flow")

@@ -21,6 +21,9 @@ from contwalk.system.family import Family
 from contwalk.system.installed import installed
 from contwalk.system.plugin_files import hash_of, hashes_of_file, hashes_of_installed
 
+# Systems that Python has made in this process, by the references that stand for them.
+_MADE: dict[str, tuple[System, dict[str, str]]] = {}
+_MADE_IN_PYTHON = "python:"
 # Files of the systems that were loaded lately, by the hash of all.
 _LOADED: dict[str, dict[str, str]] = {}
 _MOST_LOADED = 16
@@ -31,9 +34,17 @@ def list_systems() -> dict[str, str]:
     return {point.name: point.value for point in sorted(installed(), key=lambda e: e.name)}
 
 
+def made(system: System, digest: str) -> System:
+    """A system that is not from a file, with a reference by which this process finds it again."""
+    reference = f"{_MADE_IN_PYTHON}{system.name} {digest[:12]}"
+    files = {reference: digest}
+    _MADE[reference] = replace(system, source=hash_of(files), loaded_from=reference), files
+    return _MADE[reference][0]
+
+
 def is_path(reference: str) -> bool:
     """Whether a reference to a system is the path of a plugin file, and neither a name nor equations."""
-    if is_equations(reference):
+    if is_equations(reference) or reference.startswith(_MADE_IN_PYTHON):
         return False
     return reference.endswith(".py") or "/" in reference or "\\" in reference
 
@@ -55,6 +66,8 @@ def load_declaration(reference: str, base: Path | None = None) -> System | Famil
     """
     if is_equations(reference):
         return _checked(module_of(reference).SYSTEM, reference)
+    if reference.startswith(_MADE_IN_PYTHON):
+        return _of_this_process(reference)
     if is_path(reference):
         return _from_file((base or Path.cwd()) / reference, reference, base)
     for point in installed():
@@ -85,6 +98,8 @@ def load_system(
         As `load_declaration`, and for a model choice that the system does not have.
     """
     reference = str(reference)
+    if reference in _MADE and not model:
+        return _MADE[reference][0]
     files = plugin_files(reference, base)  # of what is loaded in the next line
     source = hash_of(files)
     remembered(_LOADED, source, _MOST_LOADED, lambda: files)
@@ -115,10 +130,22 @@ def plugin_files(reference: str, base: Path | None = None) -> dict[str, str]:
     """
     if is_equations(reference):
         return hash_of_equations(reference)
+    if reference.startswith(_MADE_IN_PYTHON):
+        return _MADE[reference][1] if reference in _MADE else {}
     if is_path(reference):
         return hashes_of_file((base or Path.cwd()) / reference)
     point = next((point for point in installed() if point.name == reference), None)
     return {} if point is None else hashes_of_installed(point)
+
+
+def _of_this_process(reference: str) -> System:
+    if reference in _MADE:
+        return _MADE[reference][0]
+    name = reference.removeprefix(_MADE_IN_PYTHON).split()[0]
+    raise SystemDefinitionError(
+        f"The system '{name}' was made in Python by another process, or has changed since.",
+        "Put it into a plugin file, or give its equations as text: others can load it then.",
+    )
 
 
 class _AsItStands(SourceFileLoader):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from code_blocks import ROOT, blocks
+import pytest
+from code_blocks import ROOT, blocks, run_python
 
 import contwalk as cw
 from contwalk.workflow.run_file.reading import read_run_text
@@ -16,6 +17,14 @@ def test_the_text_is_a_system():
     system = cw.system_from_text(text)
     assert system.about == "Bouncing on a spring, with a stop"
     assert [entry.name for entry in (*system.signals, *system.transitions)] == ["energy", "hit"]
+
+
+def test_python_finds_it_in_few_lines(tmp_path):
+    (program,) = blocks(PAGE, "python")
+    said = run_python(program, tmp_path).splitlines()
+    assert said[1].startswith("b1: ")
+    assert float(said[-1]) == pytest.approx(2.0, abs=1e-12)
+    assert (tmp_path / "brusselator.png").exists()
 
 
 def test_the_study_finds_the_hopf_point(tmp_path, monkeypatch):

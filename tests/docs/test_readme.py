@@ -12,7 +12,7 @@ README = "README.md"
 
 
 def test_plugin_example_finds_the_hopf_point_it_names(tmp_path):
-    plugin, _ = blocks(README, "python")
+    plugin, *_ = blocks(README, "python")
     (run_file,) = blocks(README, "yaml")
     (tmp_path / "my_model.py").write_text(plugin, encoding="utf-8")
     (tmp_path / "my_run.yaml").write_text(run_file, encoding="utf-8")
@@ -30,7 +30,9 @@ def test_plugin_example_finds_the_hopf_point_it_names(tmp_path):
 
 
 def test_python_example(tmp_path):
-    _, example = blocks(README, "python")
+    _, short, example = blocks(README, "python")
+    run_python(short, tmp_path)
+    assert (tmp_path / "brusselator.png").stat().st_size > 0
     assert len([line for line in example.splitlines() if line.strip()]) <= 10
     output = run_python(example, tmp_path)
     assert re.search(r"BP1 pitchfork 0\.02 supercritical", output)

@@ -153,6 +153,10 @@ def test_what_is_refused(text):
     assert str(caught.value).startswith("the equations")
 
 
+def test_names_with_a_d_in_front_are_names():
+    assert rates_of("dx/dt = d - dx; d = 3; dx = 2*x; dt = 1", 0.5) == [2.0]
+
+
 def test_no_text_at_all():
     with pytest.raises(ContwalkError, match="a list, not a text"):
         cw.system_from_text(["x' = 1"])  # type: ignore[arg-type]

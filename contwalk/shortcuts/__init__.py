@@ -1,0 +1,1 @@
+"""Python in few lines: systems from functions and SymPy, and diagrams in one call."""
