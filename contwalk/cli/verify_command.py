@@ -1,10 +1,11 @@
-"""`contwalk verify`: the special points of a database, computed once more."""
+"""`contwalk verify`: what a database says, recomputed from its own words."""
 
 from __future__ import annotations
 
 import contextlib
 import math
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -14,145 +15,173 @@ from contwalk.cli.bar import bar
 from contwalk.cli.stored_system import required_system, trust_option
 
 if TYPE_CHECKING:
-    from contwalk.branch import Branch, SpecialPoint
     from contwalk.storage import Database, RunHeader
-    from contwalk.studies.comparison import Comparison
     from contwalk.system import System
+    from contwalk.verification.checking import Record
+    from contwalk.verification.finding import Finding
 
-METHODS = ("dop853", "verner98", "radau5", "radau9")
+# Where an honest error estimate leaves the quotient of difference and error, and where it may be told.
+_QUOTIENTS = ((0.1, "below 0.1"), (1.0, "0.1 to 1"), (5.0, "1 to 5"), (math.inf, "above 5"))
 
 
 @click.command("verify")
 @click.argument("db")
-@click.argument("what", metavar="[BRANCH|BRANCH/POINT]", required=False)
+@click.argument("what", metavar="[BRANCH|BRANCH/POINT|BRANCH/ROW]", required=False)
 @click.option(
-    "--method", type=click.Choice(METHODS), help="The integrator; by default another one than used."
+    "--budget",
+    metavar="SECONDS",
+    type=click.FloatRange(min=0.0, min_open=True),
+    help="CPU that is taken at most; by default twice that of the run, and at least 10 seconds.",
 )
+@click.option("--strict", is_flag=True, help="Exit code 1 as well where a special point cannot be told.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
 @trust_option
-def command(db: str, what: str | None, method: str | None, as_json: bool, trust: bool) -> int:
-    """Recompute every located special point of the database DB, and compare.
+def command(db: str, what: str | None, budget: float | None, strict: bool, as_json: bool, trust: bool) -> int:
+    """Recompute what the database DB says: special points, ends of branches, and every tenth row.
 
-    Orbits are computed with another integrator at a tolerance far below the stored error, equilibria from
-    another start with residuals of 40 digits. A point agrees if both values differ by no more than 5 times
-    the sum of their error estimates, and by no more than the accuracy that the run file asked for.
+    Each record is recomputed from its own words, by SciPy's integrators and with nothing of the engine that
+    made it. It AGREES if both values differ by no more than 5 times the sum of their errors; it DISAGREES; or
+    verify CANNOT TELL, and says why. A check that is not sharp enough to see 100 errors is none.
 
-    Exit codes: 0 if all agree; 1 if one does not, or could not be checked; 2 for bad input.
+    Exit codes: 0 if nothing disagrees; 1 if a record does; 2 for bad input.
     """
     from contwalk.storage import open_database
 
     # What a plugin prints is no part of the document.
     with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
         with open_database(db) as database:
-            points = _chosen(database, what or "")
+            records, seconds = _chosen(database, what or "")
             system = required_system(database, trust)
             header = database.header
-        from contwalk.studies.comparison import AGREES, ELSEWHERE
-
-        found = _compared(system, header, points, method or "", as_json)
+        found = _checked(system, header, records, seconds if budget is None else budget, as_json)
     if as_json:
-        _print_json(db, header, found)
+        _print_json(db, found)
     else:
-        _print(header, found)
-    enough = (AGREES,) if what else (AGREES, ELSEWHERE)  # the parent is among all branches
-    return 0 if all(comparison.verdict in enough for comparison in found) else 1
+        _print(found, len(records))
+    from contwalk.verification.finding import AGREES
+
+    unsure = strict and any(each.verdict != AGREES and each.of_point for each in found)
+    return 1 if unsure or any(each.failed for each in found) else 0
 
 
-def _chosen(database: Database, what: str) -> list[tuple[Branch, SpecialPoint]]:
-    """The points that are asked for: all, those of a branch, or one."""
+def _chosen(database: Database, what: str) -> tuple[list[Record], float]:
+    """The records that are asked for (all, those of a branch, or one), and what they may cost."""
     from contwalk.cli.point_page import special_of
-    from contwalk.workflow.verifying import points_of
+    from contwalk.verification.checking import records_of
+    from contwalk.workflow.verifying import budget_of
 
-    branch_name, _, point_name = what.partition("/")
-    if point_name:
-        branch = database.branch(branch_name)
-        return [(branch, special_of(branch, point_name))]
-    return points_of([database.branch(branch_name)] if branch_name else database.branches())
+    branch_name, _, record = what.partition("/")
+    branches = [database.branch(branch_name)] if branch_name else database.branches()
+    if not record:
+        return records_of(branches), budget_of(branches)
+    (branch,) = branches
+    if record.isdecimal() and int(record) < len(branch):
+        return [(branch, int(record))], budget_of(branches)
+    return [(branch, special_of(branch, record))], budget_of(branches)
 
 
-def _compared(
-    system: System,
-    header: RunHeader,
-    points: Sequence[tuple[Branch, SpecialPoint]],
-    method: str,
-    silent: bool,
-) -> list[Comparison]:
-    """All comparisons, with a bar where somebody watches."""
+def _checked(
+    system: System, header: RunHeader, records: Sequence[Record], seconds: float, silent: bool
+) -> list[Finding]:
+    """All findings, with a bar where somebody watches."""
     from contwalk.workflow.verifying import verify
 
-    with bar("points", len(points), silent) as move:
+    with bar("records", len(records), silent) as move:
         return verify(
             system,
             header,
-            points,
-            method,
-            move and (lambda done: move(advance=1, description=f"{done.branch}/{done.point}")),
+            records,
+            seconds,
+            move and (lambda done: move(advance=1, description=f"{done.branch}/{done.record}")),
         )
 
 
-def _print(header: RunHeader, found: Sequence[Comparison]) -> None:
+def _print(found: Sequence[Finding], asked: int) -> None:
     from contwalk.cli.terminal import console, line, table
     from contwalk.cli.words import exact, plural, rough
-    from contwalk.studies.comparison import AGREES, SKIPPED, SLACK
+    from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES
 
     out = console()
     if not found:
-        line(out, "There is no special point to recompute.")
+        line(out, "There is nothing to recompute.")
         return
+    shown = [each for each in found if each.of_point or each.verdict == DISAGREES]
     rows = [
         [
-            f"{each.branch}/{each.point}",
+            f"{each.branch}/{each.record}",
             each.quantity,
-            exact(each.stored),
-            "" if math.isnan(each.recomputed) else exact(each.recomputed),
+            *("" if math.isnan(value) else exact(value) for value in (each.stored, each.recomputed)),
             rough(each.difference),
             rough(each.stored_error),
             rough(each.own_error),
             each.method,
             each.verdict,
         ]
-        for each in found
+        for each in shown
     ]
-    header_ = ["point", "quantity", "stored", "recomputed", "difference", "stored error"]
-    table(out, [*header_, "own error", "by", "verdict"], rows)
-    for each in found:
-        if each.reason:
-            line(out, f"{each.branch}/{each.point}: {each.reason}")
+    header_ = ["record", "quantity", "stored", "recomputed", "difference", "stored error"]
+    if rows:
+        table(out, [*header_, "own error", "by", "verdict"], rows)
+    for branch, record, reason in dict.fromkeys((e.branch, e.record, e.reason) for e in found if e.reason):
+        line(out, f"{branch}/{record}: {reason}")
     out.print()
-    failed, skipped = sum(c.failed for c in found), sum(c.verdict == SKIPPED for c in found)
-    agree = sum(c.verdict == AGREES for c in found)
-    others = (
-        f", {elsewhere} checked at the parent" if (elsewhere := len(found) - failed - skipped - agree) else ""
-    )
-    others += f", {failed} DISAGREE" if failed else ""
-    others += f", {skipped} NOT CHECKED" if skipped else ""
-    line(out, f"{agree} of {plural(len(found), 'point')} agree{others}.")
-    if skipped:
-        line(out, f"{plural(skipped, 'point')} could not be checked; the reasons are above.")
-    accuracy = header.provenance.get("accuracy", float("nan"))
-    line(
-        out,
-        f"A point agrees if it differs by at most {SLACK:g} times both errors together, and by at most the "
-        f"accuracy that was asked for, {accuracy:g} of its value.",
-    )
+    for name in dict.fromkeys(each.branch for each in found):
+        line(out, _of_rows(name, [each for each in found if each.branch == name and each.of_row]))
+    _print_quotients(out, found)
+    count = Counter(each.verdict for each in found)
+    others = "".join(f", {count[word]} {word}" for word in (DISAGREES, CANNOT_TELL) if count[word])
+    line(out, f"{count[AGREES]} of {plural(len(found), 'number')} agree{others}.")
+    left = asked - len({(each.branch, each.record) for each in found})
+    if left:
+        line(out, f"{plural(left, 'row')} of those that were to be recomputed did not fit into --budget.")
 
 
-def _print_json(db: str, header: RunHeader, found: Sequence[Comparison]) -> None:
+def _of_rows(name: str, rows: Sequence[Finding]) -> str:
+    """How many rows of a branch were recomputed, and what came out."""
+    from contwalk.cli.words import plural
+    from contwalk.verification.finding import AGREES
+
+    if not rows:
+        return f"{name}: no row was recomputed."
+    agree = sum(each.verdict == AGREES for each in rows)
+    count = plural(len({each.record for each in rows}), "row")
+    return f"{name}: {count} recomputed; {agree} of {plural(len(rows), 'number')} agree."
+
+
+def _print_quotients(out: Any, found: Sequence[Finding]) -> None:
+    """How large differences are beside the stored errors: whether these are honest."""
+    from contwalk.cli.terminal import line
+
+    known = [each.quotient for each in found if not math.isnan(each.quotient)]
+    if not known:
+        return
+    counts, low = [], -1.0
+    for high, words in _QUOTIENTS:
+        counts.append(f"{words}: {sum(low < value <= high for value in known)}")
+        low = high
+    line(out, f"Differences over stored errors: {', '.join(counts)}.")
+
+
+def _print_json(db: str, found: Sequence[Finding]) -> None:
     import json
     from dataclasses import asdict
 
-    from contwalk.studies.comparison import SKIPPED, SLACK
+    from contwalk.verification.finding import CANNOT_TELL, SLACK
 
     def plain(value: Any) -> Any:
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
-    points = [{k: plain(v) for k, v in asdict(each).items()} | {"failed": each.failed} for each in found]
+    def document(each: Finding) -> dict[str, Any]:
+        own = {"point" if key == "record" else key: plain(value) for key, value in asdict(each).items()}
+        return own | {"quotient": plain(each.quotient), "failed": each.failed}
+
     shown = {
         "database": db,
-        "accuracy": header.provenance.get("accuracy"),
         "slack": SLACK,
         "agree": not any(each.failed for each in found),
-        "not_checked": sum(each.verdict == SKIPPED for each in found),
-        "points": points,
+        "cannot_tell": sum(each.verdict == CANNOT_TELL for each in found),
+        "points": [document(each) for each in found if each.of_point],
+        "ends": [document(each) for each in found if each.of_end],
+        "rows": [document(each) for each in found if each.of_row],
     }
     click.echo(json.dumps(shown, indent=2, allow_nan=False))

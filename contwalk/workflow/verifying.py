@@ -1,98 +1,66 @@
-"""`contwalk verify`: every located special point of a database recomputed."""
+"""`contwalk verify`: what a stored run says that its records are not enough for, and its budget."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
-import numpy as np
-
-from contwalk.branch import Branch, SpecialPoint
+from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
-from contwalk.numerics.threads import one_thread
-from contwalk.problems.orbit.discretization import Discretization, of_orbits
 from contwalk.storage import RunHeader
-from contwalk.studies.comparison import LOST, Comparison
-from contwalk.studies.verification import compared
 from contwalk.system import System
+from contwalk.verification.checking import Record, checked
+from contwalk.verification.ends import Ranges
+from contwalk.verification.finding import Finding
 from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
-DEFAULT_ACCURACY = 1e-8
+
+def budget_of(branches: Sequence[Branch], times: float = 2.0, least: float = 10.0) -> float:
+    """CPU seconds that a check takes at most by default: twice those of the run, but no fewer than ten."""
+    return max(times * sum(float(branch.cost.get("seconds", 0.0)) for branch in branches), least)
 
 
-def points_of(branches: Sequence[Branch]) -> list[tuple[Branch, SpecialPoint]]:
-    """The points that are recomputed: all special points but ends."""
-    return [(branch, point) for branch in branches for point in branch.special_points if point.label != "EP"]
-
-
-@one_thread()
 def verify(
     system: System,
     header: RunHeader,
-    points: Sequence[tuple[Branch, SpecialPoint]],
-    method: str = "",
-    progress: Callable[[Comparison], None] | None = None,
-) -> list[Comparison]:
-    """Recompute special points of a run.
+    records: Sequence[Record],
+    seconds: float,
+    progress: Callable[[Finding], None] | None = None,
+) -> list[Finding]:
+    """Recompute records of a run.
 
     Parameters
     ----------
     system : System
     header : RunHeader
-        Of the database, which tells what accuracy was asked and what is marked.
-    points : sequence of (Branch, SpecialPoint)
-    method : str
-        The integrator for orbits; one that a point was not computed with by default.
+        Of the database, whose run file tells the ranges.
+    records : sequence of (Branch, SpecialPoint or row)
+    seconds : float
+        CPU that is taken at most.
     progress : callable, optional
-        Told each comparison when it is there.
+        Told each finding when it is there.
     """
-    steps, marks = discretization_of_run(header), marks_of_run(header)
-    result = []
-    for branch, point in points:
-        comparison = _compared(system, branch, point, steps, method, marks)
-        if progress is not None:
-            progress(comparison)
-        result.append(comparison)
-    return result
+    return checked(system, records, ranges_of(header), seconds, progress)
 
 
-def _compared(
-    system: System,
-    branch: Branch,
-    point: SpecialPoint,
-    steps: Discretization,
-    method: str,
-    marks: Mapping[str, Sequence[float | str]],
-) -> Comparison:
-    """One comparison; a computation that breaks down has not found the point again."""
+def ranges_of(header: RunHeader) -> Ranges:
+    """From where to where a run went, by parameter, as far as its run file tells it in numbers."""
     try:
-        with np.errstate(all="ignore"):  # what is not finite shows in what comes out
-            return compared(system, branch, point, steps, method, marks)
-    except (ArithmeticError, ValueError) as error:
-        return Comparison(
-            branch.name,
-            point.name,
-            branch.info.free[0],
-            float(point.unknowns[-1]) if point.unknowns else float("nan"),
-            verdict=LOST,
-            reason=f"the second computation broke down: {error}",
-        )
-
-
-def discretization_of_run(header: RunHeader) -> Discretization:
-    """What a stored run asked of its orbits."""
-    engine = dict(header.provenance.get("engine", {}))
-    given = of_orbits(engine)
-    accuracy = float(header.provenance.get("accuracy", DEFAULT_ACCURACY))
-    return Discretization(accuracy=accuracy, **given)
-
-
-def marks_of_run(header: RunHeader) -> Mapping[str, Sequence[float | str]]:
-    """The marked values in a stored run file, by name; none where it cannot be read."""
-    try:
-        data = parse_yaml(header.config, "the stored run file")[0]
+        data: Any = parse_yaml(header.config, "the stored run file")[0]
     except ContwalkError:
         return {}
-    written = data.get("mark") if isinstance(data, dict) else None
-    if not isinstance(written, dict):
-        return {}
-    return {str(n): values if isinstance(values, list) else [values] for n, values in written.items()}
+    found: dict[str, Any] = {}
+    own = data.get("continue") if isinstance(data, dict) else None
+    if isinstance(own, dict):
+        wanted = own.get("range")
+        found |= wanted if isinstance(wanted, dict) else {str(own.get("parameter")): wanted}
+    loci = data.get("loci") if isinstance(data, dict) else None
+    if isinstance(loci, dict):
+        found[str(loci.get("with"))] = loci.get("range")
+    if isinstance(data, dict) and data.get("path"):
+        found["path"] = [0.0, 1.0]
+    return {
+        name: (float(ends[0]), float(ends[1]))
+        for name, ends in found.items()
+        if isinstance(ends, Sequence) and len(ends) == 2 and all(isinstance(end, int | float) for end in ends)
+    }

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from contwalk.storage.hdf5 import Hdf5Database
-from contwalk.workflow import verifying
+from contwalk.verification import checking
 
 CYCLES = """\
 from contwalk.system import Mode, Parameter, Start, State, System
@@ -71,10 +71,11 @@ def test_a_branch_point_agrees(contwalk, database):
     done = contwalk("verify", "--trust", database)
     assert done.code == 0
     assert done.err == ""
-    assert "1 of 1 point agree." in done.out
+    assert "DISAGREES" not in done.out
+    assert "CANNOT TELL" not in done.out
+    assert "Differences over stored errors: below 0.1: " in done.out
     row = next(line for line in done.out.splitlines() if line.startswith("b1/BP1"))
-    assert row.endswith("agrees")
-    assert "40 digits" in row
+    assert row.endswith("AGREES")
 
 
 def test_orbits_are_recomputed_by_another_integrator(contwalk, cycles):
@@ -86,54 +87,56 @@ def test_orbits_are_recomputed_by_another_integrator(contwalk, cycles):
     assert by_name["b1/HB1"]["recomputed"] == 0.0
     orbits = [p for name, p in by_name.items() if name.startswith("b2/")]
     assert orbits
-    assert {p["method"] for p in orbits} <= {"verner98", "radau9"}  # the run took dop853 at 1e-8
-    assert all(p["verdict"] == "agrees" for p in orbits)
+    assert {p["method"] for p in orbits} == {"SciPy DOP853"}
+    assert {each["verdict"] for each in (*orbits, *shown["ends"], *shown["rows"])} == {"AGREES"}
 
 
-def test_one_point_by_a_chosen_integrator(contwalk, cycles):
-    done = contwalk("verify", "--trust", cycles, "b2/UZ1", "--method", "radau5", "--json")
-    (point,) = json.loads(done.out)["points"]
-    assert (point["branch"], point["point"], point["method"]) == ("b2", "UZ1", "radau5")
+def test_one_record(contwalk, cycles):
+    for what in ("b2/UZ1", "b2/5"):
+        shown = json.loads(contwalk("verify", "--trust", cycles, what, "--json").out)
+        assert {f"{each['branch']}/{each['point']}" for each in (*shown["points"], *shown["rows"])} == {what}
     assert contwalk("verify", "--trust", cycles, "b1").out.count("\nb1/") >= 1
 
 
 def test_a_wrong_value_is_found(contwalk, database):
     def change(point):
-        return replace(point, unknowns=(*point.unknowns[:-1], point.unknowns[-1] + 1e-6))
+        value = point.unknowns[-1] + 1e-6
+        return replace(point, unknowns=(*point.unknowns[:-1], value), parameters={"r": value})
 
     wrong = tampered(database, change)
     done = contwalk("verify", "--trust", wrong)
     assert done.code == 1
     assert "DISAGREES" in done.out
-    assert "0 of 1 point agree, 1 DISAGREE." in done.out
+    assert "agree, 1 DISAGREES." in done.out
     assert json.loads(contwalk("verify", "--trust", wrong, "--json").out)["agree"] is False
 
 
 def test_what_is_not_checked_is_told(contwalk, database):
     wrong = tampered(database, lambda point: replace(point, status="unlocated"))
     done = contwalk("verify", "--trust", wrong)
-    assert done.code == 1
-    assert "0 of 1 point agree, 1 NOT CHECKED." in done.out
+    assert (done.code, contwalk("verify", "--trust", wrong, "--strict").code) == (0, 1)
+    assert "agree, 1 CANNOT TELL." in done.out
     assert "b1/BP1: it was not located in the first place" in done.out
     told = json.loads(contwalk("verify", "--trust", wrong, "--json").out)
-    assert (told["agree"], told["not_checked"]) == (True, 1)
+    assert (told["agree"], told["cannot_tell"]) == (True, 1)
 
 
 def test_a_computation_that_breaks_down_is_the_outcome_of_its_point(contwalk, database, monkeypatch):
     def broken(*_):
         raise np.linalg.LinAlgError("Singular matrix")
 
-    monkeypatch.setattr(verifying, "compared", broken)
-    done = contwalk("verify", "--trust", database)
+    monkeypatch.setattr(checking, "checked_point", broken)
+    done = contwalk("verify", "--trust", database, "--strict")
     assert done.code == 1
     assert "b1/BP1: the second computation broke down: Singular matrix" in done.out
     assert "internal error" not in done.err
 
 
-def test_nothing_to_recompute(contwalk):
-    contwalk("continue", "run.yaml", "--quiet", "--set", "continue.range=[-1.0,-0.1]")
-    done = contwalk("verify", "--trust", "fork.h5")
-    assert (done.code, done.out) == (0, "There is no special point to recompute.\n")
+def test_a_budget_leaves_out_what_does_not_fit(contwalk, cycles):
+    done = contwalk("verify", "--trust", cycles, "--budget", "1e-9")
+    assert done.code == 0
+    assert "the budget of CPU is used up" in done.out
+    assert "did not fit into --budget." in done.out
 
 
 @pytest.mark.parametrize(
@@ -142,7 +145,8 @@ def test_nothing_to_recompute(contwalk):
         (("missing.h5",), "missing.h5"),
         (("fork.h5", "b7"), "no branch 'b7'"),
         (("fork.h5", "b1/HB9"), "no special point 'HB9'"),
-        (("fork.h5", "--method", "euler"), "'euler' is not one of"),
+        (("fork.h5", "b1/999"), "no special point '999'"),
+        (("fork.h5", "--budget", "-1"), "'--budget'"),
     ],
 )
 def test_bad_input(contwalk, database, arguments, said):

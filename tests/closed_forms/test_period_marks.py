@@ -13,9 +13,8 @@ import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.studies.comparison import AGREES
-from contwalk.studies.verification import compared
 from contwalk.system import Symmetry, System, Transition
+from contwalk.verification.points import checked_point
 
 MOST = 0.3  # where the pace w = 1 + (lam - 0.3)^2 is least, and the period largest
 SLOWER = 1.5  # the pace at which the period is marked
@@ -92,10 +91,9 @@ def check(branch: Branch, whole: float) -> None:
 
 def verify(branch: Branch, system: System, whole: float) -> None:
     """Every mark is found again by another method."""
-    steps = Discretization(accuracy=ACCURACY)
     for point in labelled(branch, "UZ"):
-        again = compared(system, branch, point, steps, marks=marks(whole))
-        assert again.verdict == AGREES, again
+        again = checked_point(system, branch, point)
+        assert not again.failed, again
 
 
 @pytest.mark.drawn(1)

@@ -7,10 +7,9 @@ import pytest
 from loci_of_orbits import HENON, map_plugin, studied
 
 from contwalk.branch import Branch
-from contwalk.problems.orbit.discretization import Discretization
-from contwalk.studies.comparison import AGREES
-from contwalk.studies.verification import compared
 from contwalk.system import System
+from contwalk.verification.finding import AGREES
+from contwalk.verification.points import checked_point
 
 # A unit cycle in a Moebius band that doubles at lam = 1 - sigma^2 / 5, and touches what is watched on a line.
 TOUCHING = """
@@ -78,7 +77,7 @@ def test_points_of_curves_of_orbits_are_found_again(touching) -> None:
     system, (_, *curves), _ = touching
     for curve in curves:
         (point,) = [p for p in curve.special_points if p.label == "GRPD"]
-        found = compared(system, curve, point, Discretization(accuracy=1e-8))
+        found = checked_point(system, curve, point)
         assert found.verdict == AGREES, found
 
 

@@ -10,9 +10,8 @@ from small_systems import labelled, small_system
 
 import contwalk as cw
 from contwalk.branch import Branch
-from contwalk.problems.orbit.discretization import Discretization
-from contwalk.studies.comparison import AGREES, DIFFERS
-from contwalk.studies.verification import compared
+from contwalk.verification.finding import AGREES, DISAGREES
+from contwalk.verification.points import checked_point
 
 RANGES = {"alpha": (0.01, 0.9), "delta": (0.001, 1.0)}
 
@@ -45,7 +44,7 @@ def curves(one) -> dict[str, Branch]:
 @pytest.mark.parametrize("name", ["HB1", "LP1"])
 def test_points_of_curves_are_found_again(curves, name) -> None:
     for point in labelled(curves[name], "BT", "CP", "GH"):
-        found = compared(SYSTEM, curves[name], point, Discretization(accuracy=1e-10))
+        found = checked_point(SYSTEM, curves[name], point)
         assert found.verdict == AGREES, found
 
 
@@ -57,9 +56,10 @@ def test_an_error_of_either_parameter_is_seen(curves, name, which) -> None:
     place = -1 - branch.info.free.index(which)
     unknowns = list(point.unknowns)
     unknowns[place] += 1e-9
-    moved = replace(point, unknowns=tuple(unknowns))
-    found = compared(SYSTEM, branch, moved, Discretization(accuracy=1e-6))
-    assert (found.verdict, found.quantity) == (DIFFERS, which)
+    parameters = {**point.parameters, which: unknowns[place]}
+    moved = replace(point, unknowns=tuple(unknowns), parameters=parameters)
+    found = checked_point(SYSTEM, branch, moved)
+    assert (found.verdict, found.quantity) == (DISAGREES, which)
     assert found.difference == pytest.approx(1e-9, rel=1e-3)
 
 
@@ -94,4 +94,4 @@ def test_parameters_are_marked_along_curves(one) -> None:
     for point in found:
         assert point.parameters[point.mark["name"]] == point.mark["value"]
         assert all(error <= 1e-15 for error in point.errors.values())
-        assert compared(SYSTEM, branch, point, Discretization(accuracy=1e-10)).verdict == AGREES
+        assert checked_point(SYSTEM, branch, point).verdict == AGREES

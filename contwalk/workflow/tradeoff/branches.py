@@ -13,13 +13,13 @@ from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
 from contwalk.storage import open_database
-from contwalk.studies.comparison import Comparison
+from contwalk.verification.finding import Finding
 from contwalk.workflow.pairing import counted, paired, value_of
 from contwalk.workflow.run_file.reading import RunFile
 from contwalk.workflow.runner import run
 from contwalk.workflow.tradeoff.measuring import ACCURACIES, Outcome, Report, every, relative, tighter, tried
 from contwalk.workflow.tradeoff.trials import BRANCHES, COLLOCATION, Setting, Tradeoff
-from contwalk.workflow.verifying import points_of, verify
+from contwalk.workflow.verifying import verify
 
 METHODS = ("dop853", "verner98", "auto")
 
@@ -72,7 +72,7 @@ def measure(
         f"Truth: {len(truth)} point{'s' * (len(truth) > 1)} at accuracy {tight:g}, recomputed by "
         f"{recomputed}: they agree to {doubt:.1e}, and smaller errors are not told apart."
     )
-    notes = tuple(f"{c.branch}/{c.point}: {c.verdict}, {c.reason}" for c in checked if c.reason)
+    notes = tuple(f"{c.branch}/{c.record}: {c.verdict}, {c.reason}" for c in checked if c.reason)
     allowed = run_file.accuracy if wanted is None else wanted
     sure = not any(c.failed for c in checked)
     return Tradeoff(BRANCHES, allowed, truth, sentence, doubt, trials, notes, sure)
@@ -127,14 +127,15 @@ def ran(run_file: RunFile, accuracy: float, method: str, output: Path) -> tuple[
     return result.branches, seconds, sum(int(branch.cost.get("rhs", 0)) for branch in result.branches)
 
 
-def _checked(run_file: RunFile, output: Path, branches: Sequence[Branch], report: Report) -> list[Comparison]:
+def _checked(run_file: RunFile, output: Path, branches: Sequence[Branch], report: Report) -> list[Finding]:
     """The truth recomputed."""
     with open_database(output) as db:
         header = db.header
-    points = [(branch, point) for branch, point in points_of(branches) if counted(point)]
+    points = [(branch, point) for branch in branches for point in branch.special_points if counted(point)]
     return verify(
         run_file.system,
         header,
         points,
-        progress=lambda c: report(f"the truth, with another integrator: {c.branch}/{c.point}"),
+        math.inf,
+        progress=lambda c: report(f"the truth, by another integrator: {c.branch}/{c.record}"),
     )

@@ -6,7 +6,7 @@ from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.studies.verification import compared
+from contwalk.verification.points import checked_point
 
 # The fold of cycles of AUTO's demo `ab` at p2 = 16, as single shooting finds it.
 FOLD = 0.1306373152262
@@ -53,8 +53,8 @@ def test_a_fold_at_which_the_parameter_stands_still_is_located():
     assert low.period == pytest.approx(high.period, rel=1e-6)
     for fold in (low, high):
         assert abs(fold.spectrum[0] - 1.0) <= 1e-5
-        again = compared(problem.system, cycle, fold, Discretization())
-        assert again.verdict == "agrees", again
+        again = checked_point(problem.system, cycle, fold)
+        assert not again.failed, again
 
 
 def steep(t, x, p, dx):

@@ -15,7 +15,7 @@ from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.shooting import Mesh
 from contwalk.problems.orbit.transport import closed, recut
 from contwalk.problems.parameter_line import ParameterLine
-from contwalk.studies.verification import compared
+from contwalk.verification.points import checked_point
 
 COLLOCATION = Discretization(scheme="collocation")
 
@@ -169,7 +169,7 @@ def test_both_discretisations_find_the_same_folds():
     problem, sample = reopened(system, collocated, fold, Discretization())
     assert problem.uneven
     assert len(sample.z) == len(fold.unknowns)
-    assert compared(system, collocated, fold, Discretization()).verdict == "agrees"
+    assert checked_point(system, collocated, fold).verdict == "AGREES"
 
 
 def nerve(t, x, p, dx):

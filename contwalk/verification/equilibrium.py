@@ -1,0 +1,46 @@
+"""Equilibria: f(x, p) = 0 in the states of a mode, with pinned directions held."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.branch import BranchInfo
+from contwalk.system import System
+from contwalk.verification.equations import Equations, Evaluation, pin_rows, without
+from contwalk.verification.functions import Functions, Parameters
+
+
+class EquilibriumEquations(Equations):
+    """Those of one stored equilibrium.
+
+    Parameters
+    ----------
+    system : System
+    info : BranchInfo
+    state, free : ndarray, shapes (n,) of all states, and (k,)
+    """
+
+    unit = False
+
+    def __init__(self, system: System, info: BranchInfo, state: np.ndarray, free: np.ndarray) -> None:
+        self.functions, self.info = Functions(system, Parameters(system, info)), info
+        self.mode = str(info.settings.get("mode") or system.modes[0].name)
+        own = state[list(system.states_of(self.mode))]
+        self.z, self.size = np.concatenate([own, free]), len(own)
+        self.sizes = np.maximum(np.abs(self.z), 1e-300)
+
+    def at(self, z: np.ndarray, relative: float) -> Evaluation:
+        """The equations at z, shape (N + k,)."""
+        n, p = self.size, self.functions.parameters.at(z[self.size :])
+        f, moved = self.functions.field(self.mode)(0.0, z[:n], p)
+        held, rows, directions = pin_rows(self.functions, self.info, self.mode, self.z[:n], z[:n], p)
+        matrix = moved[:, 1 : 1 + n]
+        lefts = [v for v in directions if np.linalg.norm(v @ matrix) < np.linalg.norm(matrix @ v)]
+        rights = [v for v in directions if not any(v is left for left in lefts)]
+        return Evaluation(
+            z,
+            np.concatenate([f, held]),
+            np.vstack([moved[:, 1:], rows]),
+            without(matrix, lefts, rights),
+            relative,
+        )

@@ -1,0 +1,173 @@
+"""What is zero where an orbit meets a limit: a guard that is touched, its rate, a duration, a condition."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.verification.equations import Evaluation
+from contwalk.verification.finding import CannotTell
+from contwalk.verification.functions import Function
+from contwalk.verification.orbit import Leg, OrbitEquations
+from contwalk.verification.passage import EPSILON, TIGHT, passed
+from contwalk.verification.solving import Condition
+
+TOUCH, RATE, DURATION, START, END, CONDITION = "touch", "rate", "duration", "start", "end", "condition"
+# Which numbers a label is about.
+KINDS = {
+    "GR": (TOUCH, RATE),
+    "OC": (DURATION, START, END, TOUCH),
+    "AZ": (CONDITION, TOUCH, START, END),
+}
+_INSTANT = re.compile(r"touched ([-+.0-9e]+)")
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number of an orbit: of which kind, on which leg, so long after its start, and its size there."""
+
+    kind: str
+    leg: int
+    instant: float
+    value: float
+    scale: float
+
+
+def limit(
+    label: str, point: SpecialPoint, stored: Mapping[str, Any], equations: OrbitEquations, begin: Evaluation
+) -> Condition:
+    """The condition of a limit: the number that the record names, on its leg, at its instant.
+
+    Parameters
+    ----------
+    label : str
+        That of the limit, which may be a part of the point's.
+    point : SpecialPoint
+        Its kind, or its note, names a guard or a condition.
+    stored : mapping
+        The limit that a curve in two parameters is of, which has a name; empty for other branches.
+    """
+    named = re.findall(r"'([^']+)'", point.note or "")
+    name = str(stored.get("name") or (named[0] if named else point.kind))
+    kinds = KINDS[label]
+    if not stored and "no rate" in (point.note or ""):
+        kinds = (RATE,)
+    found = [each for kind in kinds for each in numbers(equations, begin, name, kind)]
+    if not found:
+        raise CannotTell(f"The orbit has no number '{name}' that could be zero.")
+    told = _INSTANT.search(point.note or "")
+    if told and not stored and any(each.kind == TOUCH for each in found):
+        found = [each for each in found if each.kind == TOUCH]
+        best = min(found, key=lambda each: abs(each.instant - float(told[1])))
+    else:
+        best = min(found, key=lambda each: abs(each.value) / each.scale)
+
+    def condition(at: Evaluation) -> float:
+        same = [each for each in numbers(equations, at, name, best.kind) if each.leg == best.leg]
+        if not same:
+            raise CannotTell(f"'{name}' has no such number beside the point.")
+        return min(same, key=lambda each: abs(each.instant - best.instant)).value / best.scale
+
+    return condition
+
+
+def numbers(equations: OrbitEquations, at: Evaluation, name: str, kind: str) -> Iterator[Number]:
+    """All numbers of a kind and a name on an orbit."""
+    system, functions = equations.functions.system, equations.functions
+    p = functions.parameters.at(at.z[equations.size :])
+    total = sum(leg.duration for leg in at.legs)
+    for number, leg in enumerate(at.legs):
+        if kind == DURATION and leg.event == name:
+            yield Number(kind, number, 0.0, leg.duration, total)
+        if kind == CONDITION:
+            yield from _conditions(equations, at, number, name, p)
+        for mode in dict.fromkeys([leg.mode, leg.pieces[-1].mode]):
+            for transition in system.leaving(mode):
+                if transition.name == name:
+                    guard = functions.guard(transition)
+                    yield from _guarded(equations, leg, number, kind, guard, mode, p)
+
+
+def _guarded(
+    equations: OrbitEquations, leg: Leg, number: int, kind: str, guard: Function, mode: str, p: np.ndarray
+) -> Iterator[Number]:
+    """Numbers of one guard on one leg."""
+    times = np.concatenate([piece.times for piece in leg.pieces])
+    states = np.vstack([piece.states for piece in leg.pieces])
+    field = equations.functions.field(mode)
+    told = np.array([_with_rate(guard, field, t, x, p) for t, x in zip(times, states, strict=True)])
+    values, rates = told.T
+    scale, fastest = max(np.abs(values).max(), 1e-300), max(np.abs(rates).max(), 1e-300)
+    if kind == RATE:
+        yield Number(kind, number, times[-1] - leg.start, rates[-1], fastest)
+    if kind in (START, END):
+        yield Number(kind, number, 0.0, values[0 if kind == START else -1], scale)
+    if kind != TOUCH:
+        return
+    for k in np.flatnonzero((rates[:-1] * rates[1:] < 0.0) & (np.diff(times) != 0.0)):
+        t, value = _extreme(equations, leg, mode, guard, float(times[k]), states[k], float(times[k + 1]), p)
+        yield Number(kind, number, t - leg.start, value, scale)
+    if abs(rates[-1]) <= EPSILON**0.5 * fastest:  # it is touched where the leg ends
+        yield Number(kind, number, times[-1] - leg.start, values[-1], scale)
+
+
+def _with_rate(
+    guard: Function, field: Function, t: float, x: np.ndarray, p: np.ndarray
+) -> tuple[float, float]:
+    """A guard and its rate."""
+    value, slope = guard(t, x, p)
+    return float(value[0]), float(slope[0, 0] + slope[0, 1 : 1 + len(x)] @ field(t, x, p)[0])
+
+
+def _extreme(
+    equations: OrbitEquations,
+    leg: Leg,
+    mode: str,
+    guard: Function,
+    t: float,
+    x: np.ndarray,
+    end: float,
+    p: np.ndarray,
+) -> tuple[float, float]:
+    """Instant and value of a guard where it is extreme between two steps: its value there is known to the
+    square of how exactly the instant is.
+    """
+    functions, scale = equations.functions, equations._scale(mode)
+    field = functions.field(mode)
+
+    def at(tau: float) -> tuple[float, float]:
+        there = x if tau == t else passed(functions, mode, t, x, tau - t, p, scale, TIGHT).end
+        return _with_rate(guard, field, tau, there, p)
+
+    from scipy.optimize import brentq
+
+    tau = float(brentq(lambda tau: at(tau)[1], t, end, xtol=1e-9 * abs(end - t), rtol=4.0 * EPSILON))
+    return tau, at(tau)[0]
+
+
+def _conditions(
+    equations: OrbitEquations, at: Evaluation, number: int, name: str, p: np.ndarray
+) -> Iterator[Number]:
+    """The conditions of a name that hold at the end of a leg."""
+    functions, leg = equations.functions, at.legs[number]
+    for each in functions.system.conditions:
+        if each.name != name or each.at != leg.event:
+            continue
+        piece, time = leg.pieces[-1], leg.start + leg.duration
+        mode, x = piece.mode, piece.end
+        if each.side == "after":
+            following = at.legs[(number + 1) % len(at.legs)]
+            mode, x = following.mode, following.pieces[0].states[0]
+        value, slope = functions.number(("condition", name), mode, each.function)(time, x, p)
+        yield Number(
+            CONDITION,
+            number,
+            0.0,
+            float(value[0]),
+            max(float(np.abs(slope[0, 1 : 1 + len(x)]) @ np.abs(x)), 1e-300),
+        )

@@ -1,0 +1,301 @@
+"""Orbits, smooth or through events, by shooting: what ends where the next piece starts, guards and closure.
+
+Durations of legs are unknowns, and guards are equations: no event is searched for. A leg is cut into pieces
+where deviations grow on it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import BranchInfo
+from contwalk.system import System
+from contwalk.system.declarations import ParameterValues
+from contwalk.verification.equations import Equations, Evaluation, pin_rows, without
+from contwalk.verification.finding import CannotTell
+from contwalk.verification.functions import Functions, Parameters
+from contwalk.verification.passage import EPSILON, Passage, passed
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A leg as it was passed: its mode, the name of what ends it, its pieces, and the time at its start."""
+
+    mode: str
+    event: str
+    pieces: list[Passage]
+    start: float
+    duration: float
+
+
+class OrbitEquations(Equations):
+    """Those of one stored orbit.
+
+    Parameters
+    ----------
+    system : System
+    info : BranchInfo
+    unknowns : ndarray, shape (u,)
+        As they are stored: states at the starts of the legs, of hybrid orbits their durations, and the time.
+    period : float
+        Of the closure.
+    free : ndarray, shape (k,)
+    """
+
+    unit = True
+
+    def __init__(
+        self, system: System, info: BranchInfo, unknowns: np.ndarray, period: float, free: np.ndarray
+    ) -> None:
+        self.functions, self.info = Functions(system, Parameters(system, info)), info
+        stored = info.settings
+        legs = stored.get("legs") or [[system.modes[0].name, "", True]]
+        if any(len(leg) > 3 and leg[3] for leg in legs):
+            raise CannotTell("A leg of the orbit lasts no time.")
+        self.legs = [(str(mode), str(name)) for mode, name, *_ in legs]
+        smooth = "legs" not in stored
+        named = info.closure if smooth and info.closure not in (None, "full") else stored.get("image", "")
+        self.image, self.power = str(named or ""), int(stored.get("power", 1)) if named else 0
+        self.turns = np.array(stored.get("turns") or np.zeros(len(info.states)), dtype=float)
+        self.forced, self.eventful = system.period is not None, bool(self.legs[-1][1])
+        sizes = [len(system.states_of(mode)) for mode, _ in self.legs]
+        ends = np.cumsum([0, *sizes])
+        self.first = [unknowns[a:b] for a, b in pairwise(ends)]
+        durations = np.array([period]) if smooth else unknowns[ends[-1] : ends[-1] + len(legs)]
+        start = 0.0 if smooth or not self.forced else float(unknowns[ends[-1] + len(legs)])
+        self.closures = period / self._period(free) if self.forced else 0.0
+        full = np.zeros((len(legs), len(info.states)))
+        for row, x, (mode, _) in zip(full, self.first, self.legs, strict=True):
+            row[list(system.states_of(mode))] = np.abs(x)
+        self.scale = np.max(full, axis=0)
+        self.cuts = [1] * len(legs)
+        self._lay(self.first, durations, start, free)
+
+    def _lay(self, states: list[np.ndarray], durations: np.ndarray, start: float, free: np.ndarray) -> None:
+        """Put the unknowns in their places: states of all pieces, durations, start, and free parameters."""
+        self.z = np.concatenate([*states, durations, [start], free])
+        self.size = len(self.z) - len(free)
+        self.count = len(durations)
+        self.sizes = np.maximum(np.abs(self.z), 1e-300)
+
+    def _period(self, free: np.ndarray) -> float:
+        assert self.functions.system.period is not None
+        return float(self.functions.system.period(ParameterValues(**self.functions.parameters.by_name(free))))
+
+    def settle(self, relative: float, most: float = 1e2) -> None:
+        """Cut legs on which deviations grow, at states of a first motion; see how large the states are.
+
+        On one piece they grow `most` times at most: the equations are known to as many digits less.
+        """
+        legs = self.at(self.z, relative).legs
+        states, free = [], self.free
+        for number, leg in enumerate(legs):
+            whole = leg.pieces[0]
+            for i, size in zip(self._states(leg.mode), np.abs(whole.states).max(axis=0), strict=True):
+                self.scale[i] = max(self.scale[i], size)
+            growth = float(np.linalg.norm(whole.derivative[:, 1 : 1 + len(self.first[number])], 2))
+            cuts = 1 + int(max(np.log(max(growth, 1.0)) / np.log(most), 0.0))
+            self.cuts[number] = cuts
+            x = self.first[number]
+            states.append(x)
+            for i in range(1, cuts):
+                begin = leg.start + leg.duration * (i - 1) / cuts
+                piece = passed(
+                    self.functions,
+                    leg.mode,
+                    begin,
+                    x,
+                    leg.duration / cuts,
+                    self.functions.parameters.at(free),
+                    self._scale(leg.mode),
+                    relative,
+                )
+                x = piece.end
+                states.append(x)
+        tail = self.z[self.size - self.count - 1 : self.size]
+        self._lay(states, tail[:-1], float(tail[-1]), free)
+        self.fixed = [float(d) / c for d, c in zip(tail[:-1], self.cuts, strict=True)]
+
+    def _states(self, mode: str) -> tuple[int, ...]:
+        return self.functions.system.states_of(mode)
+
+    def _scale(self, mode: str) -> np.ndarray:
+        own = self.scale[list(self._states(mode))]
+        return np.where(own > 0.0, own, max(float(own.max()), EPSILON))
+
+    # -- the equations ---------------------------------------------------------------------------------------
+
+    def at(self, z: np.ndarray, relative: float) -> Evaluation:
+        """The equations at z, shape (N + k,), with the monodromy matrix."""
+        work = _Assembly(self, z, relative)
+        for number in range(len(self.legs)):
+            work.leg(number)
+        work.closed()
+        return work.evaluation()
+
+
+class _Assembly:
+    """The equations of one orbit as they are written down, leg by leg."""
+
+    def __init__(self, orbit: OrbitEquations, z: np.ndarray, relative: float) -> None:
+        self.orbit, self.z, self.relative = orbit, z, relative
+        self.functions, n = orbit.functions, len(z)
+        self.p = self.functions.parameters.at(z[orbit.size :])
+        self.residuals: list[np.ndarray] = []
+        self.rows: list[np.ndarray] = []
+        self.legs: list[Leg] = []
+        self.durations = slice(orbit.size - orbit.count - 1, orbit.size - 1)
+        self.t, self.dt = float(z[orbit.size - 1]), np.eye(n)[orbit.size - 1]
+        self.place = 0
+        self.monodromy = np.eye(len(orbit.first[0]))
+
+    def leg(self, number: int) -> None:
+        """Follow a leg, and write where its pieces end."""
+        orbit, z = self.orbit, self.z
+        mode, event = orbit.legs[number]
+        n, cuts, total = len(orbit.first[number]), orbit.cuts[number], z[self.durations][number]
+        pieces, begun = [], (self.t, float(total))
+        by_duration = np.eye(len(z))[self.durations.start + number]
+        for i in range(cuts):
+            last = i == cuts - 1
+            lasts = (
+                total - (cuts - 1) * orbit.fixed[number]
+                if last and cuts > 1
+                else total / cuts
+                if cuts == 1
+                else orbit.fixed[number]
+            )
+            own = slice(self.place, self.place + n)
+            self.place += n
+            piece = passed(
+                self.functions, mode, self.t, z[own], float(lasts), self.p, orbit._scale(mode), self.relative
+            )
+            pieces.append(piece)
+            moved = np.outer(piece.derivative[:, 0], self.dt)
+            moved[:, own] += piece.derivative[:, 1 : 1 + n]
+            moved[:, orbit.size :] += piece.derivative[:, 1 + n :]
+            if last:
+                moved += np.outer(piece.rate, by_duration)
+            self.t += float(lasts)
+            self.monodromy = piece.derivative[:, 1 : 1 + n] @ self.monodromy
+            if not last:
+                moved[:, self.place : self.place + n] -= np.eye(n)
+                self._write(piece.end - z[self.place : self.place + n], moved)
+        self.dt = self.dt + by_duration
+        self.legs.append(Leg(mode, event, pieces, *begun))
+        self._ends(number, event, pieces[-1], moved)
+
+    def _ends(self, number: int, event: str, piece: Passage, moved: np.ndarray) -> None:
+        """Write that a leg ends at its event, and where the next one begins."""
+        orbit, functions = self.orbit, self.functions
+        last = number == len(orbit.legs) - 1
+        target = orbit.legs[0 if last else number + 1][0]
+        transition = functions.system.transition(event, piece.mode) if event else None
+        jump = functions.jump(
+            transition, piece.mode, target, orbit.image if last else "", orbit.power if last else 0
+        )
+        after, by = jump(self.t, piece.end, self.p)
+        n = len(piece.end)
+        saltation = by[:, 1 : 1 + n]
+        if transition is not None:
+            value, slope = functions.guard(transition)(self.t, piece.end, self.p)
+            row = slope[0, 1 : 1 + n] @ moved + slope[0, 0] * self.dt
+            row[orbit.size :] += slope[0, 1 + n :]
+            self._write(value, row[None])
+            rate = float(slope[0, 0] + slope[0, 1 : 1 + n] @ piece.rate)
+            time = float(self.z[orbit.size - 1]) if last else self.t  # an image is one of another time
+            then, _ = functions.field(target)(time, after, self.p)
+            with np.errstate(all="ignore"):
+                saltation = saltation + np.outer(
+                    then - by[:, 1 : 1 + n] @ piece.rate - by[:, 0], slope[0, 1 : 1 + n] / rate
+                )
+        self.monodromy = saltation @ self.monodromy
+        following = by[:, 1 : 1 + n] @ moved + np.outer(by[:, 0], self.dt)
+        following[:, orbit.size :] += by[:, 1 + n :]
+        begin = 0 if last else self.place
+        there = slice(begin, begin + len(after))
+        following[:, there] -= np.eye(len(after))
+        missed = after - self.z[there]
+        if last:
+            missed = missed - orbit.turns[list(functions.system.states_of(target))]
+        self._write(missed, following)
+
+    def closed(self) -> None:
+        """Write what holds the phase or the period, pins, and conserved quantities."""
+        orbit, z, functions = self.orbit, self.z, self.functions
+        mode, x, first = orbit.legs[0][0], z[: len(orbit.first[0])], orbit.first[0]
+        start = float(z[orbit.size - 1])
+        n, width = len(x), len(z)
+        self.flow, _ = functions.field(mode)(start, x, self.p)
+        if orbit.forced:
+            period, by_free = self._forced()
+            row = np.zeros(width)
+            row[self.durations], row[orbit.size :] = 1.0, -by_free
+            self._write(np.array([z[self.durations].sum() - period]), row[None])
+        if not orbit.forced or not orbit.eventful:
+            row = np.zeros(width)  # the time at the start is held
+            row[orbit.size - 1] = 1.0
+            self._write(np.array([start - orbit.z[orbit.size - 1]]), row[None])
+        if not orbit.forced and not orbit.eventful:
+            row = np.zeros(width)
+            row[:n] = self.flow / np.linalg.norm(self.flow)
+            self._write(np.array([row[:n] @ (x - first)]), row[None])
+        held, rows, self.pins = pin_rows(functions, orbit.info, mode, first, x, self.p)
+        if len(held):
+            whole = np.zeros((len(held), width))
+            whole[:, :n], whole[:, orbit.size :] = rows[:, :n], rows[:, n:]
+            self._write(held, whole)
+        self.lefts = []
+        for quantity in functions.system.conserved:
+            value, slope = functions.number(("conserved", quantity.name), mode, quantity.of(mode))(
+                start, x, self.p
+            )
+            self.lefts.append(slope[0, 1 : 1 + n])
+            row, place = np.zeros(width), functions.system.parameter_names.index(quantity.name)
+            row[:n], row[orbit.size :] = (
+                slope[0, 1 : 1 + n],
+                slope[0, 1 + n :] - functions.parameters.slopes[place],
+            )
+            known = self.p[place]
+            if not np.isfinite(known):
+                known = functions.number(("conserved", quantity.name), mode, quantity.of(mode))(
+                    start, first, self.p
+                )[0]
+            self._write(value - known, row[None])
+
+    def _forced(self) -> tuple[float, np.ndarray]:
+        """Duration of the closure of a forced orbit, and its derivatives (k,) by central differences."""
+        orbit, free = self.orbit, self.z[self.orbit.size :]
+        slopes = np.zeros(len(free))
+        for i, value in enumerate(free):
+            step = EPSILON ** (1.0 / 3.0) * max(abs(value), EPSILON)
+            moved = step * np.eye(len(free))[i]
+            slopes[i] = (orbit._period(free + moved) - orbit._period(free - moved)) / (2.0 * step)
+        return orbit.closures * orbit._period(free), orbit.closures * slopes
+
+    def evaluation(self) -> Evaluation:
+        """All that was written."""
+        f, m = self.flow, self.monodromy
+        rights = [] if self.orbit.forced else [f]
+        lefts = list(self.lefts)
+        for v in self.pins:
+            (lefts if np.linalg.norm(v @ m - v) < np.linalg.norm(m @ v - v) else rights).append(v)
+        trivial = 0.0 if self.orbit.forced else float(np.linalg.norm(m @ f - f) / np.linalg.norm(f))
+        matrix = without(m, lefts, rights) if np.isfinite(m).all() else m
+        return Evaluation(
+            self.z,
+            np.concatenate(self.residuals),
+            np.vstack(self.rows),
+            matrix,
+            self.relative,
+            trivial,
+            self.legs,
+        )
+
+    def _write(self, residual: Any, rows: np.ndarray) -> None:
+        self.residuals.append(np.atleast_1d(residual))
+        self.rows.append(rows)

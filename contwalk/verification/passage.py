@@ -1,0 +1,168 @@
+"""Motions and their derivatives by SciPy's integrators: no step, method or error of the engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contwalk.numerics.linear import EPSILON
+from contwalk.verification.finding import CannotTell
+from contwalk.verification.functions import Function, Functions
+
+# The tightest relative tolerance that SciPy takes is 100 roundings. Each result is computed with that, and
+# with ten times as much, to see what the tolerance makes of it.
+TIGHT = 100.0 * EPSILON
+COARSER = 10.0
+# Of one record no more right-hand sides are taken, half a minute of them: so many are those of a stiff field.
+MOST_CALLS = 2_000_000
+
+
+class CannotIntegrate(CannotTell):
+    """A motion that SciPy does not follow to its end."""
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A piece of a motion that was followed.
+
+    Parameters
+    ----------
+    times, states : ndarray, shapes (s,) and (s, n)
+        At the integrator's own steps.
+    end : ndarray, shape (n,)
+    derivative : ndarray, shape (n, 1 + n + k)
+        Of the end, by the time of the start (with the duration as it is), its states, and free parameters.
+    rate : ndarray, shape (n,)
+        At the end.
+    mode : str
+        The mode at the end: soft transitions change it on the way.
+    """
+
+    times: np.ndarray
+    states: np.ndarray
+    end: np.ndarray
+    derivative: np.ndarray
+    rate: np.ndarray
+    mode: str
+
+
+def passed(
+    functions: Functions,
+    mode: str,
+    start: float,
+    x: np.ndarray,
+    duration: float,
+    p: np.ndarray,
+    scale: np.ndarray,
+    relative: float,
+) -> Passage:
+    """A motion from x, shape (n,), with its variational equations, for a duration.
+
+    Parameters
+    ----------
+    scale : ndarray, shape (n,)
+        Sizes of the states: what is below `relative` of them is no error.
+    relative : float
+        SciPy's tolerance.
+
+    Raises
+    ------
+    CannotIntegrate
+    """
+    n, width = len(x), 1 + len(x) + functions.parameters.slopes.shape[1]
+    y = np.concatenate([x, np.hstack([np.zeros((n, 1)), np.eye(n), np.zeros((n, width - 1 - n))]).ravel()])
+    sizes = np.concatenate(
+        [scale, np.outer(scale, np.concatenate([[1.0], 1.0 / scale, np.ones(width - 1 - n)])).ravel()]
+    )
+    times, states, t, end = [np.array([start])], [x[None]], start, start + duration
+    motion = _Motion(functions, p, relative, sizes, width)
+    mode = _settled(functions, mode, start, x, p)
+    while True:
+        found = motion.followed(mode, t, y, end)
+        times.append(found.t[1:])
+        states.append(found.y[:n, 1:].T)
+        t, y = float(found.t[-1]), found.y[:, -1]
+        if found.status == 0:
+            break
+        switch = next(
+            soft for soft, at in zip(_soft(functions, mode), found.t_events, strict=True) if len(at)
+        )
+        mode = switch.target
+    field = functions.field(mode)
+    rate, _ = field(t, y[:n], p)
+    return Passage(np.concatenate(times), np.vstack(states), y[:n], y[n:].reshape(n, width), rate, mode)
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """What motions of all modes have in common: parameters, tolerances, and the width of the derivatives."""
+
+    functions: Functions
+    p: np.ndarray
+    relative: float
+    sizes: np.ndarray
+    width: int
+
+    def followed(self, mode: str, t: float, y: np.ndarray, end: float) -> Any:
+        """A motion in one mode, up to a soft transition, as SciPy has it; y has the shape (n + n width,)."""
+        from scipy.integrate import solve_ivp
+
+        functions, width = self.functions, self.width
+        field, n = functions.field(mode), len(y) // (1 + width)
+        field.at(self.p)
+        whole = np.eye(width)  # the time, the states and the free parameters, by themselves
+
+        def right(t: float, y: np.ndarray) -> np.ndarray:
+            functions.calls += 1
+            if functions.calls > MOST_CALLS:
+                raise CannotIntegrate("SciPy's DOP853 takes too many steps: the field is stiff there.")
+            f, moved = field.linear(t, y[:n])
+            whole[1 : 1 + n] = y[n:].reshape(n, width)
+            rates = np.empty(len(y))
+            rates[:n] = f
+            np.dot(moved, whole, out=rates[n:].reshape(n, width))
+            return rates
+
+        softs = [
+            _crossing(functions.guard(soft), soft.direction, self.p, n) for soft in _soft(functions, mode)
+        ]
+        given = {"rtol": self.relative, "atol": self.relative * self.sizes, "events": softs or None}
+        found = solve_ivp(right, (t, end), y, method="DOP853", **given)
+        functions.calls += 1  # a motion that only changes its mode comes to an end as well
+        if found.status < 0 or not np.isfinite(found.y[:, -1]).all():
+            raise CannotIntegrate(f"SciPy's DOP853 does not follow the motion: {found.message}")
+        return found
+
+
+def _soft(functions: Functions, mode: str) -> list[Any]:
+    return [each for each in functions.system.leaving(mode) if each.role == "soft"]
+
+
+def _crossing(guard: Function, direction: str, p: np.ndarray, n: int) -> Any:
+    """A guard as SciPy's events are."""
+
+    def event(t: float, y: np.ndarray) -> float:
+        return float(guard(t, y[:n], p)[0][0])
+
+    event.terminal = True  # type: ignore[attr-defined]
+    event.direction = {"falling": -1.0, "rising": 1.0, "both": 0.0}[direction]  # type: ignore[attr-defined]
+    return event
+
+
+def _settled(functions: Functions, mode: str, t: float, x: np.ndarray, p: np.ndarray) -> str:
+    """The mode of a motion at a state: soft transitions happen at once where their guards are past."""
+    for _ in functions.system.modes:
+        for soft in _soft(functions, mode):
+            value, moved = functions.guard(soft)(t, x, p)
+            rate = float(moved[0, 0] + moved[0, 1 : 1 + len(x)] @ functions.field(mode)(t, x, p)[0])
+            sign = 1.0 if soft.direction == "rising" else -1.0
+            level = np.spacing(float(np.abs(moved[0, 1 : 1 + len(x)]) @ np.abs(x)))
+            past = sign * (float(value[0]) if abs(value[0]) > level else rate)
+            if past > 0.0:
+                mode = soft.target
+                break
+        else:
+            break
+    return mode

@@ -1,0 +1,142 @@
+"""A special point recomputed: its equations and what defines it, solved from where it says that it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from contwalk.branch import Branch, SpecialPoint
+from contwalk.labels import LOCUS, MARK
+from contwalk.system import System
+from contwalk.verification.branching import Unfolded
+from contwalk.verification.conditions import BOTH, RESONANCES, spectral
+from contwalk.verification.equations import Equations
+from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, Finding
+from contwalk.verification.limits import KINDS, limit
+from contwalk.verification.marks import mark
+from contwalk.verification.orbit import OrbitEquations
+from contwalk.verification.passage import COARSER, TIGHT
+from contwalk.verification.records import equations_of, free_of, of_orbits
+from contwalk.verification.rows import checked_row
+from contwalk.verification.solving import Condition, NotThere, Sheet, Solution, solved
+
+# A grazing orbit at something else as well.
+GRAZINGS = ("GRLP", "GRPD", "GRNS")
+# A record that moved by so many of its errors is to be told, so the second computation is as exact as that.
+MOVED = 100.0
+
+
+def checked_point(system: System, branch: Branch, point: SpecialPoint) -> Finding:
+    """One special point, recomputed from its own words."""
+    begun = Finding(
+        branch.name, point.name, branch.info.free[0], method="SciPy DOP853" if of_orbits(branch) else "Newton"
+    )
+    if point.status != "located":
+        return replace(begun, reason="it was not located in the first place")
+    if point.label == MARK and point.kind == "parameter" and branch.info.problem != LOCUS:
+        return _at_value(system, branch, point, begun)
+    stored = free_of(branch, point)
+    told = np.array(
+        [point.parameters.get(name, value) for name, value in zip(branch.info.free, stored, strict=True)]
+    )
+    if np.any(told != stored):
+        return replace(begun, verdict=DISAGREES, reason="its parameters and its unknowns are not the same")
+    errors = np.array(
+        [point.error if i == 0 else point.errors.get(name) for i, name in enumerate(branch.info.free)],
+        dtype=float,
+    )
+    if not np.isfinite(errors).all():
+        return replace(begun, reason="it has no error that it could be compared with")
+    try:
+        equations, conditions = _defined(system, branch, point)
+        sheet = Sheet(equations, COARSER * TIGHT)
+        found = solved(sheet, conditions(sheet))
+    except NotThere as failure:
+        return _lost(begun, failure, len(failure.first) - len(stored), stored, errors)
+    except CannotTell as reason:
+        return replace(begun, reason=str(reason))
+    return _judged(begun, branch, point, found, equations.size, errors)
+
+
+def _at_value(system: System, branch: Branch, point: SpecialPoint, begun: Finding) -> Finding:
+    """A marked value of the free parameter: that it has it, and the solution there as of any row."""
+    free, told = branch.info.free[0], point.mark
+    if told and told["name"] == free and told["value"] != point.parameters.get(free):
+        return replace(begun, verdict=DISAGREES, reason=f"{free} is not {told['value']:.10g} there")
+    return replace(checked_row(system, branch, point.index)[0], record=point.name)
+
+
+def _defined(
+    system: System, branch: Branch, point: SpecialPoint
+) -> tuple[Equations, Callable[[Sheet], list[Condition]]]:
+    """A point's equations, and what defines it beside them."""
+    equations = equations_of(system, branch, point)
+    labels = [point.label]
+    if branch.info.problem == LOCUS and point.label not in (*BOTH, *RESONANCES, "BT", "CP", "CPC"):
+        labels = [str(branch.info.settings["of"]), point.label]
+    if point.label in GRAZINGS:
+        labels = ["GR", point.label[2:]]
+    if "BP" in labels:
+        if point.kind == "symmetry-breaking" and branch.info.closure not in (None, "full"):
+            labels[labels.index("BP")] = "PD"  # the multiplier -1 of the map of a half
+        else:
+            equations = Unfolded(equations)
+
+    def conditions(sheet: Sheet) -> list[Condition]:
+        found = [each for label in labels for each in _one(label, branch, point, equations, sheet)]
+        if len(found) < sheet.along.shape[1]:
+            raise CannotTell(f"What defines {point.label} is not recomputed.")
+        return found
+
+    return equations, conditions
+
+
+def _one(
+    label: str, branch: Branch, point: SpecialPoint, equations: Equations, sheet: Sheet
+) -> list[Condition]:
+    """What one label demands."""
+    if isinstance(equations, Unfolded) and label == "BP":
+        return equations.conditions
+    if label == MARK:
+        return [mark(branch, point, equations, sheet)]
+    if label in KINDS and isinstance(equations, OrbitEquations):
+        stored = branch.info.settings.get("limit", {}) if label == branch.info.settings.get("of") else {}
+        return [limit(label, point, stored, equations, sheet.begin)]
+    return spectral(label, point.spectrum, equations, sheet)
+
+
+def _lost(begun: Finding, failure: NotThere, size: int, stored: np.ndarray, errors: np.ndarray) -> Finding:
+    """A point to which Newton's method does not come back: its first step says how far it would be."""
+    away = float(
+        np.max(np.abs(failure.first[size:]) / np.maximum(SLACK * errors, np.spacing(np.abs(stored))))
+    )
+    if away > 1.0:
+        return replace(begun, verdict=DISAGREES, reason="what defines it has no solution near it")
+    return replace(begun, reason=str(failure))
+
+
+def _judged(
+    begun: Finding, branch: Branch, point: SpecialPoint, found: Solution, size: int, errors: np.ndarray
+) -> Finding:
+    """Whether the parameters agree: by the one that is off by most."""
+    moved, own = np.abs(found.moved[size:]), found.error[size:]
+    worst = int(np.argmax(moved / (errors + own)))
+    value = float(found.at.z[size + worst])
+    result = replace(
+        begun,
+        quantity=branch.info.free[worst],
+        stored=value - float(found.moved[size + worst]),
+        recomputed=value,
+        difference=float(moved[worst]),
+        stored_error=float(errors[worst]),
+        own_error=float(own[worst]),
+    )
+    # A smaller error than some roundings cannot be told from these: the second computation is in doubles.
+    told = max(result.stored_error, 4.0 * float(np.spacing(abs(value))))
+    if result.difference > SLACK * (result.stored_error + result.own_error):
+        return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")
+    if SLACK * (result.stored_error + result.own_error) > MOVED * told:
+        return replace(result, reason=f"it is recomputed to {result.own_error:.1e} only")
+    return replace(result, verdict=AGREES)

@@ -1,0 +1,146 @@
+"""An ordinary row recomputed: the solution beside its error, its leading eigenvalue, its stability."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contwalk.branch import Branch
+from contwalk.labels import LOCUS
+from contwalk.system import System
+from contwalk.verification.branching import Unfolded
+from contwalk.verification.conditions import spectral
+from contwalk.verification.equations import Equations
+from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, Finding
+from contwalk.verification.orbit import OrbitEquations
+from contwalk.verification.passage import COARSER, TIGHT
+from contwalk.verification.records import equations_of, of_orbits
+from contwalk.verification.solving import Condition, Sheet, Solution, solved
+
+# How many eigenvalues are at the border all along a curve.
+CRITICAL = {"LP": 1, "BP": 1, "PD": 1, "HB": 2, "NS": 2}
+
+
+def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
+    """The solution of a row, its leading eigenvalue, and how many directions are unstable."""
+    begun = Finding(
+        branch.name, str(row), "solution", method="SciPy DOP853" if of_orbits(branch) else "Newton"
+    )
+    try:
+        equations = equations_of(system, branch, row)
+        if str(branch.info.settings.get("of")) == "BP":
+            equations = Unfolded(equations)
+        sheet = Sheet(equations, COARSER * TIGHT)
+        found = solved(sheet, _conditions(branch, row, equations, sheet))
+    except CannotTell as reason:
+        return [replace(begun, reason=str(reason))]
+    result = [_solution(begun, branch, row, equations, found)]
+    if np.isfinite(found.at.matrix).all() and len(found.at.spectrum):
+        result += [_leading(begun, branch, row, found), _stability(begun, branch, row, equations, found)]
+    return result
+
+
+def of_curve(branch: Branch, row: int, equations: Equations, sheet: Sheet) -> list[Condition]:
+    """What all points of a curve in two parameters are; nothing of other branches."""
+    if branch.info.problem != LOCUS:
+        return []
+    of = str(branch.info.settings["of"])
+    if isinstance(equations, Unfolded):
+        return equations.conditions
+    if not (own := spectral(of, branch.points["spectrum"][row], equations, sheet)):
+        raise CannotTell(f"What defines a curve of {of} is not recomputed.")
+    return own
+
+
+def _conditions(branch: Branch, row: int, equations: Equations, sheet: Sheet) -> list[Condition]:
+    """What a curve is of, and that nothing moves along it."""
+    if not (own := of_curve(branch, row, equations, sheet)):
+        normal = np.linalg.pinv(sheet.along)[0]
+        return [lambda at: float(normal @ (at.z - equations.z))]
+    free, sizes = slice(equations.size, None), equations.sizes[equations.size :]
+    tangent = branch.points["tangent"][row][: len(branch.unknowns(row))][[-1, -2]] / sizes
+    along = tangent / np.linalg.norm(tangent) / sizes
+    return [*own, lambda at: float(along @ (at.z - equations.z)[free])]
+
+
+def _solution(begun: Finding, branch: Branch, row: int, equations: Equations, found: Solution) -> Finding:
+    """How far the solution is from its row, in the row's own metric."""
+    at, k = branch.points[row], len(equations.free)
+    weights = at["weights"][: len(branch.unknowns(row))]
+    n = len(equations.first[0]) if isinstance(equations, OrbitEquations) else equations.rank
+    scale = np.concatenate([weights[:n], weights[: -1 - k : -1]])
+    moved = np.concatenate([found.moved[:n], found.moved[-k:]]) / scale
+    error = np.concatenate([found.error[:n], found.error[-k:]]) / scale
+    result = replace(
+        begun,
+        stored=0.0,
+        recomputed=float(np.linalg.norm(moved)),
+        difference=float(np.linalg.norm(moved)),
+        stored_error=float(at["error"]),
+        own_error=float(np.linalg.norm(error)),
+    )
+    if not np.isfinite(result.stored_error):
+        return replace(result, reason="the row has no error that it could be compared with")
+    if result.difference > SLACK * (result.stored_error + result.own_error):
+        return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")
+    return replace(result, verdict=AGREES)
+
+
+def _leading(begun: Finding, branch: Branch, row: int, found: Solution) -> Finding:
+    """The leading eigenvalue."""
+    at = branch.points[row]
+    stored, spectrum = complex(at["spectrum"][0]), found.at.spectrum
+    begun = replace(begun, quantity="leading eigenvalue")
+    if not np.isfinite(stored) or not np.isfinite(at["spectrum_error"]):
+        return replace(begun, reason="the row does not tell its leading eigenvalue")
+    nearest = int(np.argmin(np.abs(spectrum - stored)))
+    result = replace(
+        begun,
+        stored=abs(stored),
+        recomputed=float(abs(spectrum[nearest])),
+        difference=float(abs(spectrum[nearest] - stored)),
+        stored_error=float(at["spectrum_error"]),
+        own_error=float(found.spread[nearest] + np.spacing(np.abs(spectrum).max()) * len(spectrum)),
+    )
+    if result.difference > SLACK * (result.stored_error + result.own_error):
+        return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")
+    return replace(result, verdict=AGREES)
+
+
+def _stability(begun: Finding, branch: Branch, row: int, equations: Equations, found: Solution) -> Finding:
+    """How many directions are unstable, as far as the errors tell the sign of each."""
+    at = branch.points[row]
+    least, most = unstable_between(branch, found, equations.unit)
+    result = replace(
+        begun, quantity="unstable directions", stored=float(at["unstable"]), recomputed=float(least)
+    )
+    if at["undecided"] > 0:
+        return replace(result, reason="the row itself says that its stability is not known")
+    if not least <= at["unstable"] <= most:
+        return replace(
+            result, verdict=DISAGREES, reason=f"there are {least}" + (f" to {most}" if most > least else "")
+        )
+    if int(at["stable"]) != int(at["unstable"] == 0) and branch.info.problem != LOCUS:
+        return replace(
+            result, verdict=DISAGREES, reason="its stability is not what its unstable directions say"
+        )
+    if least < most:
+        return replace(result, reason=f"there are {least} to {most}: an eigenvalue is at the border")
+    return replace(result, difference=0.0, verdict=AGREES)
+
+
+def unstable_between(branch: Branch, found: Solution, unit: bool) -> tuple[int, int]:
+    """How many eigenvalues are beyond the border for certain, and may be; those of a curve are none."""
+    spectrum = found.at.spectrum
+    level = SLACK * found.spread + len(spectrum) * np.spacing(np.abs(spectrum).max())
+    beyond = np.abs(spectrum) - 1.0 if unit else spectrum.real
+    critical = CRITICAL.get(str(branch.info.settings.get("of")), 0) if branch.info.problem == LOCUS else 0
+    if critical:
+        kept = np.argsort(np.abs(beyond))[critical:]
+        saddle = int(
+            critical == 2 and not np.any(np.abs(spectrum[np.argsort(np.abs(beyond))[:2]].imag) > 0.0)
+        )
+        beyond, level = beyond[kept], level[kept]
+        return int(np.sum(beyond > level)) + saddle, int(np.sum(beyond > -level)) + saddle
+    return int(np.sum(beyond > level)), int(np.sum(beyond > -level))

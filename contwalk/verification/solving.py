@@ -1,0 +1,159 @@
+"""Conditions solved beside equations, in the plane that the equations leave free.
+
+Where F(z) = 0 has N independent equations of N + k unknowns, its solutions near a place are a sheet of k
+dimensions. On it k conditions have a solution: the special point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.verification.equations import Equations, Evaluation
+from contwalk.verification.finding import CannotTell
+from contwalk.verification.passage import COARSER, EPSILON, TIGHT
+
+# A condition, of shape (), at a place; smooth near a solution.
+Condition = Callable[[Evaluation], float]
+# Steps of this size are as long as differences need; a singular value below this part of the largest is zero.
+ROUGH = EPSILON**0.5
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where equations and conditions hold.
+
+    Parameters
+    ----------
+    at : Evaluation
+    moved, error : ndarray, shape (N + k,)
+        From the record's place, and how exactly that is known.
+    spread : ndarray, shape (r,)
+        How exactly the eigenvalues of the spectrum are known.
+    first : ndarray, shape (N + k,)
+        The first Newton step: where the record's own place says that the solution is.
+    """
+
+    at: Evaluation
+    moved: np.ndarray
+    error: np.ndarray
+    spread: np.ndarray
+    first: np.ndarray
+
+
+class Sheet:
+    """The solutions of some equations near the record's place, to first order.
+
+    Parameters
+    ----------
+    equations : Equations
+    tolerance : float
+        Of motions.
+
+    Raises
+    ------
+    CannotTell
+        If the equations are not independent there.
+    """
+
+    def __init__(self, equations: Equations, tolerance: float) -> None:
+        self.equations = equations
+        self.begin = equations.at(equations.z, tolerance)
+        left, values, right = np.linalg.svd(self.begin.jacobian * equations.sizes)
+        self.free = len(equations.free)
+        rank = equations.rank
+        if values[rank - 1] < ROUGH * values[0]:
+            raise CannotTell("The equations have several solutions there, one beside the other.")
+        self.left = left[:, :rank].T
+        self.along = equations.sizes[:, None] * right[rank:].T
+
+    def square(self, at: Evaluation) -> np.ndarray:
+        """The independent equations' derivatives by the unknowns, shape (N, N)."""
+        return np.asarray(self.left @ at.jacobian[:, : self.equations.size])
+
+    def towards(self, at: Evaluation) -> np.ndarray:
+        """The Newton step onto the sheet, shape (N + k,)."""
+        rows = np.vstack([self.left @ at.jacobian, np.linalg.pinv(self.along)])
+        right = np.concatenate([-(self.left @ at.residual), np.zeros(self.along.shape[1])])
+        return np.asarray(np.linalg.solve(rows, right))
+
+
+def solved(sheet: Sheet, conditions: list[Condition]) -> Solution:
+    """The place where the conditions are zero, at two tolerances.
+
+    Raises
+    ------
+    CannotTell
+        If Newton's method does not get there.
+    """
+    equations, values = sheet.equations, _values(conditions, sheet.begin)
+    slopes = np.zeros((len(values), sheet.along.shape[1]))
+    for i, direction in enumerate(sheet.along.T):
+        step = ROUGH / float(np.max(np.abs(direction / equations.sizes)))
+        ahead = equations.at(equations.z + step * direction, COARSER * TIGHT)
+        slopes[:, i] = (_values(conditions, ahead) - values) / step
+    if not np.isfinite(slopes).all():
+        raise CannotTell("What defines the point has no value beside it.")
+    if np.linalg.matrix_rank(slopes) < slopes.shape[1]:
+        if np.max(np.abs(values)) > ROUGH:
+            raise NotThere(np.full(len(equations.z), np.inf))
+        raise CannotTell("What defines the point does not change along the branch there.")
+    coarse, first, slopes = _newton(sheet, conditions, sheet.begin, slopes, COARSER * TIGHT)
+    # Of equilibria only rounding differs: the second time they are solved from elsewhere.
+    begin = coarse.z if equations.unit else coarse.z + (coarse.z - equations.z)
+    fine, _, _ = _newton(sheet, conditions, equations.at(begin, TIGHT), slopes, TIGHT)
+    again = equations.at(fine.z, COARSER * TIGHT)  # what the tolerance makes of the conditions themselves
+    away = sheet.along @ np.linalg.lstsq(slopes, _values(conditions, again), rcond=None)[0]
+    error = np.maximum(np.abs(fine.z - coarse.z), np.abs(away)) + np.spacing(np.abs(fine.z))
+    if equations.unit:  # errors of steps that both motions have in common add up to a few tolerances
+        error += COARSER * TIGHT * equations.sizes
+    spread = np.array([])
+    if np.isfinite(fine.matrix).all():
+        spread = np.array([_nearest(coarse.spectrum, value) for value in fine.spectrum])
+    return Solution(fine, fine.z - equations.z, error, spread, first)
+
+
+def _newton(
+    sheet: Sheet, conditions: list[Condition], at: Evaluation, slopes: np.ndarray, relative: float
+) -> tuple[Evaluation, np.ndarray, np.ndarray]:
+    """Newton's method onto the sheet, Broyden's on it: the solution, the first step, and the slopes."""
+    equations, inverse = sheet.equations, np.linalg.pinv(sheet.along)
+    first, before, size, stalls = np.full(len(at.z), np.inf), None, np.inf, 0
+    for _ in range(12):
+        onto, values = sheet.towards(at), _values(conditions, at)
+        if before is not None and size > ROUGH:  # shorter steps would teach rounding
+            moved, gained = before
+            square = max(float(moved @ moved), np.finfo(float).tiny)
+            slopes = slopes + np.outer(values - gained - slopes @ moved, moved) / square
+        whole = onto - sheet.along @ np.linalg.lstsq(slopes, values, rcond=None)[0]
+        first = first if np.isfinite(first[0]) else whole
+        now = float(np.max(np.abs(whole / equations.sizes)))
+        # A first step onto the sheet changes the conditions as well, so that one step gains nothing.
+        stalls += now > 0.5 * size and size < ROUGH
+        if now < 4.0 * EPSILON or stalls > (now > ROUGH * ROUGH**0.5):
+            return at, first, slopes
+        if not now < 1.0 / ROUGH:
+            break
+        size, before = now, (inverse @ whole, values)
+        at = equations.at(at.z + whole, relative)
+    if size < ROUGH:
+        return at, first, slopes
+    raise NotThere(first)
+
+
+class NotThere(CannotTell):
+    """Newton's method from the record's place does not converge; `first`, (N + k,), is its first step."""
+
+    def __init__(self, first: np.ndarray) -> None:
+        super().__init__("Newton's method from the stored point does not converge.")
+        self.first = first
+
+
+def _values(conditions: list[Condition], at: Evaluation) -> np.ndarray:
+    return np.array([condition(at) for condition in conditions])
+
+
+def _nearest(values: np.ndarray, value: complex) -> float:
+    return float(np.min(np.abs(values - value)))
