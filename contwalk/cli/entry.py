@@ -101,7 +101,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except click.ClickException as error:
         say(f"error: {error.format_message()}")
         return error.exit_code
-    except SystemExit as error:  # whatever asks for this is no code of contwalk
+    except SystemExit as error:  # whatever asks for this is no code of contwalk, but for click's completion
+        if "_CONTWALK_COMPLETE" in os.environ and isinstance(error.code, int):
+            return error.code
         say(f"error: the plugin leaves the process (exit code {error.code!r}). Let it raise an exception.")
         return 1
     except (KeyboardInterrupt, click.Abort):

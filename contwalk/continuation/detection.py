@@ -28,7 +28,7 @@ from contwalk.continuation.folds import (
     split,
     with_its_pair,
 )
-from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair
+from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair, turning_or_pair
 from contwalk.continuation.locating import (
     SAME_POINT,
     Disagreement,
@@ -173,7 +173,7 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
         found += _measure_crossings(segment, low, high, found)
         if jump not in _reachable(segment, found):
             raise Disagreement(
-                pair(segment.problem),
+                (turning_or_pair if jump % 2 else pair)(segment.problem),
                 "The number of eigenvalues that cross does not agree with the points found.",
             )
         between = split(segment, low, high, sorted(found, key=lambda f: f.theta))
@@ -359,7 +359,7 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
     if found is not None:
         return found
     kind = crossed(segment.problem, segment.at(high if abs(v1) < abs(v0) else low), which)
-    kind = kind or pair(segment.problem)
+    kind = kind or turning_or_pair(segment.problem)  # a real one
     raise Disagreement(kind, f"Eigenvalues cross, but no point {kind.label} is found.")
 
 

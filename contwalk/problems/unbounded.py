@@ -67,7 +67,8 @@ def limit_at_infinity(
         limit, error = found
         if abs(float(place.z[-1]) - limit) > KNOWN * error + known:
             return None
-        far = abs(place.at - begun.at) > BEYOND * straight and abs(place.at) > grown * abs(begun.at)
+        away = max(grown * abs(begun.at), float(b.weights[which]))  # what comes to zero runs off to nowhere
+        far = abs(place.at - begun.at) > BEYOND * straight and abs(place.at) > away
         if far and (abs(left) <= known or abs(place.rates[-1]) <= fallen * abs(begun.rates[-1])):
             # What has stood still all the way, as where a machine conserves something, has no slope.
             known_before = (a.parameter, a.error * float(a.weights[-1])), (float(begun.z[-1]), begun.error)

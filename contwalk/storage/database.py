@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import TracebackType
@@ -148,6 +148,10 @@ class Database(ABC):
         """All branches in the order of creation."""
         return [self.branch(name) for name in self.branch_names()]
 
+    def point_names(self, branch: str) -> list[str]:
+        """Names of the special points of a branch."""
+        return [point.name for point in self.branch(branch).special_points]
+
     def __getitem__(self, name: str) -> Branch:
         """As `branch`."""
         return self.branch(name)
@@ -229,10 +233,14 @@ def check_new_name(name: str, names: Sequence[str]) -> None:
         )
 
 
-def unknown_branch(name: str, names: Sequence[str], where: str) -> DatabaseError:
-    """The error for a branch that does not exist."""
+def unknown_branch(
+    name: str, names: Sequence[str], where: str, points: Callable[[str], Iterable[str]] = lambda branch: ()
+) -> DatabaseError:
+    """The error for a branch that does not exist; `points` gives the names of the special points of one."""
     known = f"Known: {', '.join(names)}." if names else "It has no branches."
-    return DatabaseError(f"{where} has no branch '{name}'.", f"{nearest(name, names)} {known}".strip())
+    meant = [f"'{each}/{point}'" for each in names for point in points(each) if point.lower() == name.lower()]
+    suggested = f"Did you mean {' or '.join(meant[:2])}?" if meant else nearest(name, names)
+    return DatabaseError(f"{where} has no branch '{name}'.", f"{suggested} {known}".strip())
 
 
 def finished(name: str) -> DatabaseError:

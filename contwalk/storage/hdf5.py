@@ -278,7 +278,7 @@ class Hdf5Database(FileDatabase):
     def _stored(self, name: str) -> StoredBranch:
         self._check_open()
         if name not in self._branches:
-            raise unknown_branch(name, self.branch_names(), str(self._path))
+            raise unknown_branch(name, self.branch_names(), str(self._path), self.point_names)
         return self._branches[name]
 
     def _unfinished(self, name: str) -> StoredBranch:

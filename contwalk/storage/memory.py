@@ -149,7 +149,7 @@ class MemoryDatabase(Database):
     def _stored(self, name: str) -> _Stored:
         self._check_open()
         if name not in self._branches:
-            raise unknown_branch(name, self.branch_names(), self._where)
+            raise unknown_branch(name, self.branch_names(), self._where, self.point_names)
         return self._branches[name]
 
     def _unfinished(self, name: str) -> _Stored:

@@ -17,7 +17,8 @@ SIDES = ("before", "after")
 
 def nearest(name: str, known: Sequence[str]) -> str:
     """Words that name the nearest known name, for error messages; empty when nothing is near."""
-    match = get_close_matches(name, list(known), n=1, cutoff=0.5)
+    alike = [each for each in known if each.lower() == name.lower()]
+    match = alike or get_close_matches(name, list(known), n=1, cutoff=0.5)
     return f"Did you mean '{match[0]}'?" if match else ""
 
 

@@ -29,6 +29,40 @@ def test_plugin_example_finds_the_hopf_point_it_names(tmp_path):
     assert (tmp_path / "my_run_bifurcation_diagram.png").stat().st_size > 0
 
 
+# Those that take long as they stand, and what they are tried with instead.
+LONG = {
+    "contwalk sample runs/autobalancer_monte_carlo_system1.yaml": " --set sample.count=8",
+    "contwalk continue runs/planar_slope.yaml": None,
+    "contwalk animate planar_slope.h5 b1/GR4 -o gait.gif": None,
+    "contwalk tradeoff runs/autobalancer_cascade.yaml": None,
+}
+
+
+def test_rows_of_the_table_run_as_they_stand(tmp_path):
+    """One after the other, in a folder that has what a clone has, and the files of the example."""
+    text = (ROOT / README).read_text(encoding="utf-8")
+    table = text[text.index("## What it does") : text.index("## From Python")]
+    rows = [row for row in re.findall(r"`(contwalk [^`]*)`", table) if "_source" not in row]
+    assert len(rows) >= 14
+    assert set(LONG) <= set(rows)
+    for name in ("runs", "tests"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    for name, language in (("my_model.py", "python"), ("my_run.yaml", "yaml")):
+        (tmp_path / name).write_text(blocks(README, language)[0], encoding="utf-8")
+    run_command("contwalk continue my_run.yaml --quiet --no-figures", tmp_path)
+    for row in rows:
+        more = LONG.get(row, "")
+        if more is None:
+            assert row.split()[2] == "planar_slope.h5" or (ROOT / row.split()[2]).exists()
+        elif row.startswith("contwalk diff"):
+            with pytest.raises(AssertionError):  # they differ: exit code 1
+                run_command(row, tmp_path)
+        else:
+            run_command(f"{row}{more}", tmp_path)
+    for name in ("multipliers.png", "impact_oscillator_basin_margins.h5", "lorenz.py", "autobalancer.yaml"):
+        assert (tmp_path / name).exists()
+
+
 def test_python_example(tmp_path):
     _, short, example = blocks(README, "python")
     run_python(short, tmp_path)

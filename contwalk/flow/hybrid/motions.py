@@ -323,7 +323,7 @@ def _without_time(
 
     `clocks` are None where a motion begins, and no jump at that instant counts.
     """
-    number = _at_once(flow, standing)
+    number = next((i for i, guard in enumerate(standing) if happens_at_once(flow, i, guard)), None)
     if number is not None:
         rises, collapsed = standing[number].side > 0, standing[number].kind == BEYOND
     elif clocks is not None and (jumps := jumping(flow, t, x, clocks, goes_on=goes_on)):
@@ -332,8 +332,3 @@ def _without_time(
         return None
     name = flow.transitions[number].name
     return replace(_instant(flow, t, x), transition=name, rising=rises, collapsed=collapsed)
-
-
-def _at_once(flow: ModeFlow, standing: Sequence[GuardStatus]) -> int | None:
-    """The transition that happens without any time passing."""
-    return next((i for i, guard in enumerate(standing) if happens_at_once(flow, i, guard)), None)

@@ -22,6 +22,7 @@ from contwalk.problems.kink import Kink, Met
 from contwalk.problems.kinks import Course, Place
 from contwalk.problems.parameter_kinks import Way, choices_of_parameters
 from contwalk.problems.sample import Sample
+from contwalk.python_functions import line_of
 
 # How far beside a place without a finite derivative, against its size, the field is asked for a value.
 ASIDE = 1e-12
@@ -56,7 +57,9 @@ class EquilibriumDiagnosis(Diagnosis):
         beside = (
             f"{where}, right beside it" for sign in (-1.0, 1.0) if (where := self._without(_aside(z, sign)))
         )
-        return self._without(z) or next(beside, "the equations")
+        own = line_of(self.problem.system.modes[0].field).removesuffix(": ") or "the equations"
+        unsloped = f"{own}: it has a value, and a derivative has none, as that of a root or of hypot at zero"
+        return self._without(z) or next(beside, unsloped)
 
     def _without(self, z: np.ndarray) -> str | None:
         """The plugin's line at which the field has no value at z, shape (N + 1,)."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from contwalk.errors import RunFileError
 from contwalk.system import System
-from contwalk.workflow.file_names import output_of
+from contwalk.workflow.file_names import database_named, output_of
 from contwalk.workflow.run_file.checked_file import CheckedFile
 from contwalk.workflow.run_file.document import Document, Key
 from contwalk.workflow.run_file.motions import Margins
@@ -107,7 +107,7 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
         system=system,
         model=dict(model.model),
         parameters=dict(model.parameters),
-        database=Path(path).parent / wanted.of.from_,
+        database=database_named(Path(path).parent, str(wanted.of.from_)),
         margins=wanted,
         output=output_of(path, output, model.output),
         document=problems.document,

@@ -249,6 +249,8 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
     second = settings.second_range(problems, system, model, free)
     if free is not None:
         settings.check_starts_in_range(problems, starts, free, (low, high))
+        if loci is not None:
+            settings.check_starts_in_range(problems, starts, loci.second, loci.range, ("loci", "range"))
         also = () if model.loci is None else (model.loci.with_,)
         measured = settings.Measured(problems, system, free, (*varying, *also))
     ranges = {} if free is None else {free: (low, high)}

@@ -252,7 +252,11 @@ def continued_range(
 
 
 def check_starts_in_range(
-    problems: Problems, starts: tuple[StartSpec, ...], free: str, ends: tuple[float, float]
+    problems: Problems,
+    starts: tuple[StartSpec, ...],
+    free: str,
+    ends: tuple[float, float],
+    key: Key = ("continue", "range"),
 ) -> None:
     """Note a problem for a start outside the range; that of a stored point is not known here."""
     low, high = ends
@@ -261,7 +265,7 @@ def check_starts_in_range(
         known = start.kind != "from" and not math.isnan(value)
         if known and low < high and not low <= value <= high:
             problems.add(
-                ("continue", "range"),
+                key,
                 f"the start has {free} = {value:.12g}, outside the range [{low:.12g}, {high:.12g}].",
                 f"Widen the range, or set {free} under parameters to a value inside it.",
             )

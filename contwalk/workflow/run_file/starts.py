@@ -14,6 +14,7 @@ import numpy as np
 from contwalk.branch import LABELS
 from contwalk.errors import DatabaseError, StartError
 from contwalk.system.declarations import System
+from contwalk.workflow.file_names import database_named
 from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.parameters import checked_values
 from contwalk.workflow.run_file.problems import Problems, allowed
@@ -131,7 +132,7 @@ class StartReader:
                     "simulate", parameters, given, state=state, until=until, mode=mode, at=at, where=where
                 )
             ]
-        file, point = self.base / str(start.from_), str(start.point)
+        file, point = database_named(self.base, str(start.from_)), str(start.point)
         if not POINT.fullmatch(point):
             self.problems.add(
                 (*key, "point"), f"'{point}' names no point.", "Allowed: BRANCH/POINT, as b1/HB1 or b1/12."
