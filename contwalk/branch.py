@@ -19,10 +19,12 @@ import numpy as np
 from contwalk import quantities, tables
 from contwalk.errors import ContwalkError
 from contwalk.labels import EVERY_MEANING
+from contwalk.signatures import is_iterated, told_problem
 from contwalk.special_point import SpecialPoint, told_sides
 
 LABELS = tuple(EVERY_MEANING)
 ORBITS = ("periodic_orbit", "hybrid_orbit")
+FIXED_POINT = "fixed_point"
 # A parameter that changes by less than this part of itself along a whole curve does so by rounding.
 STANDS_STILL = 1e-9
 # What is stored of a row, and given of counts, where stability is not known.
@@ -38,7 +40,8 @@ class BranchInfo:
     name : str
         `b1`, `b2`, ... in the order of their computation.
     problem : str
-        `equilibrium`, `periodic_orbit`, `hybrid_orbit` or `locus`.
+        `equilibrium`, `periodic_orbit`, `hybrid_orbit` or `locus`; of cycles of a map `hybrid_orbit`, which
+        `problem_by_name` calls `fixed_point`.
     states, observables, free : tuple of str
         Names of the states (n), the observables (o) and the free parameters (f).
     parameters : mapping
@@ -70,6 +73,11 @@ class BranchInfo:
     subharmonic: int = 1
     origin: str = ""
     settings: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def problem_by_name(self) -> str:
+        """The problem as it is called: that of cycles of a map is `fixed_point`."""
+        return FIXED_POINT if is_iterated(self.signature) and self.problem in ORBITS else self.problem
 
     def point_dtype(self) -> np.dtype:
         """NumPy dtype of one stored point."""
@@ -337,10 +345,8 @@ def _row_of(point: SpecialPoint, points: np.ndarray, taken: set[int]) -> int:
 
 def told_branch(branch: Branch) -> str:
     """`b2: 64 points, periodic orbit, delta 0.003 to 0.006; PD1 UZ1; complete (bound)`."""
-    info, outcome = branch.info, branch.outcome
-    parts = [
-        f"{info.name}: {len(branch)} point{'' if len(branch) == 1 else 's'}, {info.problem.replace('_', ' ')}"
-    ]
+    info, outcome, what = branch.info, branch.outcome, told_problem(branch.info.problem_by_name)
+    parts = [f"{info.name}: {len(branch)} point{'' if len(branch) == 1 else 's'}, {what}"]
     if len(branch) and info.free:
         values = branch[info.free[0]]
         parts[0] += f", {info.free[0]} {values.min():.6g} to {values.max():.6g}"
@@ -386,6 +392,6 @@ def table_of_branches(branches: Sequence[Branch]) -> tables.Table:
         names = _names([point.name for point in branch.special_points])
         ended = f"{branch.outcome.status} ({branch.outcome.reason})"
         rows.append(
-            [info.name, info.problem.replace("_", " "), str(len(branch)), span, names, ended, info.origin]
+            [info.name, told_problem(info.problem_by_name), str(len(branch)), span, names, ended, info.origin]
         )
     return rows

@@ -6,6 +6,18 @@ from collections.abc import Sequence
 from itertools import groupby
 
 LONG = 4  # events that are listed one by one
+# The event that is a step of a map: no other transition has this name.
+ITERATE = "iterate"
+
+
+def told_problem(problem: str) -> str:
+    """A problem's name as words."""
+    return problem.replace("_", " ")
+
+
+def is_iterated(signature: Sequence[str] | None) -> bool:
+    """Whether orbits of these events are cycles of a map."""
+    return bool(signature) and set(signature or ()) == {ITERATE}
 
 
 def folded(events: Sequence[str]) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from contwalk.cli.terminal import table
 from contwalk.cli.words import exact
 from contwalk.errors import ContwalkError
-from contwalk.signatures import folded
+from contwalk.signatures import folded, is_iterated
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def facts_at(system: System | None, branch: Branch, point: SpecialPoint | int) -> HybridFacts | None:
     """Segments and margins; None of other orbits, and where they cannot be had: why is said on stderr."""
-    if system is None or branch.info.problem != "hybrid_orbit":
+    if system is None or branch.info.problem_by_name != "hybrid_orbit":
         return None
     from contwalk.cli.entry import say
     from contwalk.workflow.stored.hybrid_facts import facts_of
@@ -33,7 +33,7 @@ def facts_at(system: System | None, branch: Branch, point: SpecialPoint | int) -
 
 def admissible_line(admissible: bool, branch: Branch, facts: HybridFacts | None) -> list[str]:
     """Whether the machine can move so, and what is against it; of what has no events only if it cannot."""
-    if branch.info.problem != "hybrid_orbit":
+    if branch.info.problem_by_name != "hybrid_orbit":
         return [] if admissible else ["not admissible"]
     if admissible:
         return ["admissible"]
@@ -116,4 +116,5 @@ def print_margins(out: Console, facts: HybridFacts) -> None:
 
 def signature_line(branch: Branch) -> list[str]:
     """The events of the closure in their order."""
-    return [f"signature: {folded(branch.info.signature)}"] if branch.info.signature else []
+    events = branch.info.signature
+    return [f"signature: {folded(events)}"] if events and not is_iterated(events) else []

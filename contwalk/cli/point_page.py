@@ -20,6 +20,7 @@ from contwalk.cli.terminal import line, table
 from contwalk.cli.words import exact, meaning, plural, rough, with_unit
 from contwalk.errors import ContwalkError
 from contwalk.labels import UNDECIDED
+from contwalk.signatures import is_iterated, told_problem
 from contwalk.special_point import told_count, told_sides
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def print_special(
     facts += admissible_line(point.admissible, branch, hybrid)
     facts += signature_line(branch)
     facts += [] if point.period is None else _of_orbit(branch, point.period, point.trivial_error, units)
-    facts.append(f"point {point.index} of the branch, {branch.info.problem.replace('_', ' ')}")
+    facts.append(f"point {point.index} of the branch, {told_problem(branch.info.problem_by_name)}")
     facts += _cost(branch.points[point.index]) if point.index < len(branch) else []
     for fact in facts:
         line(out, fact, indent=4)
@@ -111,7 +112,7 @@ def print_special(
     _ranges(out, branch, point.index, units)
     if hybrid is not None:
         print_margins(out, hybrid)
-    else:
+    elif not is_iterated(branch.info.signature):
         _values(out, "margin", point.margin.items(), {})
     _spectrum(out, branch, point.spectrum, "")
     _spectrum(out, branch, point.spectrum_full or (), " of the full orbit")
@@ -128,7 +129,7 @@ def print_row(
     """Any other stored point."""
     hybrid = facts_at(system, branch, row)
     info, point = branch.info, branch.points[row]
-    line(out, f"{branch.name}/{row}  point of {info.problem.replace('_', ' ')}", style="bold")
+    line(out, f"{branch.name}/{row}  point of {told_problem(info.problem_by_name)}", style="bold")
     stable = {1: "stable", 0: "not stable"}.get(int(point["stable"]), UNDECIDED)
     line(out, f"unstable directions: {told_count(int(branch['unstable'][row]))} ({stable})", indent=4)
     period, trivial = float(point["period"]), float(point["trivial_error"])

@@ -94,7 +94,7 @@ def _print_point(
     row = row_of(branch, point_name)
     special = special_of(branch, point_name) if row is None else None
     units = units_of_run(database, trust)
-    hybrid = branch.info.problem == "hybrid_orbit"
+    hybrid = branch.info.problem_by_name == "hybrid_orbit"
     system = optional_system(database, trust, "segments and margins of the orbit") if hybrid else None
     if special is not None:
         print_special(out, branch, special, units, system)

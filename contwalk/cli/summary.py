@@ -11,7 +11,7 @@ import numpy as np
 from contwalk.cli.terminal import line, table
 from contwalk.cli.words import choices, exact, meaning, plural, rough, with_unit
 from contwalk.labels import UNDECIDED
-from contwalk.signatures import folded
+from contwalk.signatures import folded, is_iterated, told_problem
 from contwalk.special_point import told_sides
 from contwalk.system.units import lasting
 
@@ -88,7 +88,7 @@ def _print_branch(
 ) -> None:
     info, outcome = branch.info, branch.outcome
     of = info.settings.get("of")
-    words = [info.problem.replace("_", " ") + (f" of {of}" if of else "")]
+    words = [told_problem(info.problem_by_name) + (f" of {of}" if of else "")]
     for name in info.free if len(branch) else ():
         words.append(f"{name} from {branch[name].min():.6g} to {branch[name].max():.6g}")
     words += [plural(len(branch), "point"), f"{branch.cost.get('seconds', 0.0):.3g} s"]
@@ -103,7 +103,7 @@ def _print_branch(
         line(out, _orbits(branch, time), indent=4)
     if len(branch) and (unknown := branch["stable"] < 0).any():
         line(out, _not_known(branch, unknown), indent=4)
-    if info.signature:
+    if info.signature and not is_iterated(info.signature):
         line(out, f"signature: {folded(info.signature)}", indent=4)
     shown = [name for name in fixed if name not in info.free]
     if shown:
@@ -122,7 +122,7 @@ def _orbits(branch: Branch, time: str) -> str:
     text = f"period from {np.nanmin(periods):.6g} to {lasting(np.nanmax(periods), time)}"
     if info.closure not in (None, "full"):
         text += f", 1/{fold} of it integrated: closed up to '{info.closure}'"
-    if info.subharmonic > 1:
+    if info.subharmonic > 1 and not is_iterated(info.signature):
         text += f", {info.subharmonic} of the forcing"
     # Where a branch is born at a Hopf point, the orbit is a point still and has no direction of flow.
     trivial = branch.points["trivial_error"][branch.points["s"] != 0.0]

@@ -15,6 +15,7 @@ import numpy as np
 
 from contwalk.branch import ORBITS, Branch
 from contwalk.comparing.curve import BESIDE, Curve, Foot, leading, place_names, scale_of
+from contwalk.signatures import told_problem
 
 CURVE, IMAGE, BEGINNING = "curve", "image", "beginning"
 # So many rows of one branch on another one are no crossing.
@@ -166,7 +167,7 @@ def _begun(x: Branch, y: Branch, found: Sequence[Family]) -> bool:
 def described(branch: Branch) -> str:
     """What a branch is, in words: `periodic orbit over delta, 0.003 to 0.0061, 64 points, from b1`."""
     info = branch.info
-    said = [info.problem.replace("_", " ")]
+    said = [told_problem(info.problem_by_name)]
     if info.settings.get("of"):
         said[0] = f"curve of {info.settings['of']} of {str(info.settings['of_problem']).replace('_', ' ')}"
     if info.closure not in (None, "full"):

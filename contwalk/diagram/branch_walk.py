@@ -33,6 +33,7 @@ from contwalk.diagram.standing_still import with_what_stands_still
 from contwalk.diagram.start_marks import marks_at, place_error, start_record, start_refined
 from contwalk.labels import END, RANGES
 from contwalk.problems.problem import Mirror, Problem, Sample
+from contwalk.signatures import is_iterated
 
 # Where each direction sets out, by its sign.
 Places = dict[float, Place]
@@ -168,7 +169,7 @@ class BranchWalk:
         if stored is None or not len(stored.rows):
             if stored is None:
                 yield Began(work.info)
-                if problem.meshed is not None:
+                if problem.meshed is not None and not is_iterated(work.info.signature):
                     text = f"{work.info.name}: integrated by {problem.meshed.method}."
                     yield Noted(f"method {work.info.name}", text)
             yield from self._kinks(problem, work, opening.state.sample, opening.state.sample)

@@ -47,6 +47,9 @@ def check_names(model: Model) -> None:
                 raise model.wrong(
                     event.line, f"the event sets '{state}', which is no state.", _near(state, model.rates)
                 )
+    if model.is_map and (model.period is not None or model.events):
+        line = model.period.line if model.period is not None else next(iter(model.events.values())).line
+        raise model.wrong(line, "a map has neither a period nor events.", "Leave it out, or write rates, x'.")
     if model.period is not None and names_in(model.period.value) & {TIME, *model.rates}:
         raise model.wrong(
             model.period.line, "the period depends on the time or a state.", "It may depend on parameters."

@@ -42,9 +42,6 @@ def plugin_of(model: Model, name: str) -> Plugin:
         If a name of the model is unknown or taken, or is used as what it is not.
     """
     check_names(model)
-    if model.is_map:
-        first = next(iter(model.rates.values()))
-        raise model.wrong(first.line, "a map has next states, not rates.", "Write rates, x' = ...")
     return _Writing(model, name).plugin()
 
 
@@ -79,7 +76,8 @@ class _Writing:
         writes = "the next state" if model.is_map else "the rates of the states"
         values = {state: entry.value for state, entry in model.rates.items()}
         first = next(iter(model.rates.values())).line
-        self._writing("field", "rate", values, f"Write {writes}.", first, own_lines=True)
+        into = "after" if model.is_map else "rate"
+        self._writing("field", into, values, f"Write {writes}.", first, own_lines=True)
         transitions = [self._event(name) for name in model.events]
         signals = [self._signal(name) for name in model.quantities if self._is_signal(name)]
         if model.period is not None:

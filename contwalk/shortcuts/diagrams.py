@@ -75,13 +75,15 @@ def diagram(
     data: dict[str, Any] = {"system": _reference(loaded)}
     if loaded.model:
         data["model"] = dict(loaded.model)
-    if parameters:
-        data["parameters"] = dict(parameters)
+    place = _place(loaded, parameter, range, parameters or {})
+    if parameters or place:
+        data["parameters"] = {**(parameters or {}), **place}
     more = {"parameter": parameter, "range": list(range), **run_file_keys.pop("continue_", {})}
     data |= {"continue": more, **run_file_keys}
     tried: list[str] = []
     for words, given in _starts(loaded, start):
-        found = _computed(loaded, {**data, "start": given}, words)
+        at = "".join(f", at {name} = {value:g}" for name, value in place.items())
+        found = _computed(loaded, {**data, "start": given}, words + at)
         if isinstance(found, DiagramFound):
             return found
         tried.append(f"{words}: {found}")
@@ -89,6 +91,17 @@ def diagram(
         f"No start of '{loaded.name}' leads to a solution. {' '.join(tried)}",
         'Give one, as start={"x": 1.0}.',
     )
+
+
+def _place(
+    system: System, parameter: str, range: Sequence[float], given: Mapping[str, float]
+) -> dict[str, float]:
+    """The end of the range that is nearer to the parameter's default, where that lies outside."""
+    default = system.defaults().get(parameter)
+    if parameter in given or default is None or len(range) != 2:
+        return {}
+    inside = min(max(default, float(range[0])), float(range[1]))
+    return {} if inside == default else {parameter: inside}
 
 
 def _reference(system: System) -> Any:

@@ -173,9 +173,7 @@ def _mode(
     entries = ", ".join(f"dx[{i}]" for i in range(len(states)))
     written = f"{entries if len(states) > 1 else 'dx[:]'} = model({', '.join(words)})"
     field = _compiled(f"def field(t, x, p, dx):\n    {written}", {"model": function}, "field", function)
-    if is_map:
-        raise _wrong(function, "map=True makes a map", "Return rates: maps are not computed yet.")
-    return Mode("motion", field)
+    return Mode("motion", field, kind="map" if is_map else "flow")
 
 
 def _compiled(

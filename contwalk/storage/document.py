@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.branch import NOT_KNOWN, Branch, SpecialPoint
+from contwalk.branch import FIXED_POINT, NOT_KNOWN, Branch, BranchInfo, SpecialPoint
 from contwalk.labels import LOCUS
 from contwalk.quantities import NEUTRAL_SADDLE, saddles
+from contwalk.signatures import is_iterated
 from contwalk.storage.database import Database
 
 DOCUMENT_VERSION, WITH_LOCI, WITH_UNKNOWN = 1, 2, 3
@@ -83,11 +84,11 @@ def _branch(db: Database, branch: Branch, loaded: dict[str, Branch], points: boo
     info = branch.info
     entry = {
         "name": info.name,
-        "problem": info.problem,
+        "problem": info.problem_by_name,
         "parent": _parent(db, branch, loaded),
         "free": list(info.free),
         "closure": info.closure,
-        "signature": _json(info.signature),
+        "signature": None if is_iterated(info.signature) else _json(info.signature),
         "subharmonic": info.subharmonic,
         "mirror": _json(info.settings.get("mirror")),
         "n_points": len(branch),
@@ -98,8 +99,13 @@ def _branch(db: Database, branch: Branch, loaded: dict[str, Branch], points: boo
         "special_points": [_special(point) for point in branch.special_points],
     }
     if info.problem == LOCUS:
-        entry |= {"of": info.settings["of"], "of_problem": info.settings["of_problem"]}
+        entry |= {"of": info.settings["of"], "of_problem": _of_problem(info)}
     return entry | {"points": [_point(branch, row) for row in branch.points]} if points else entry
+
+
+def _of_problem(info: BranchInfo) -> str:
+    """What solutions a curve is of: cycles of a map are fixed points."""
+    return FIXED_POINT if is_iterated(info.signature) else str(info.settings["of_problem"])
 
 
 def _parent(db: Database, branch: Branch, loaded: dict[str, Branch]) -> str | None:

@@ -12,6 +12,9 @@ from contwalk.system.names import require_callable, require_name, require_side, 
 
 ROLES_OF_TRANSITIONS = ("hard", "soft", "watched")
 DIRECTIONS = ("falling", "rising", "both")
+KINDS_OF_MODES = ("flow", "map")
+# A map that has been made a machine, see `contwalk.system.maps`.
+ITERATED = "iterated"
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,8 @@ class Mode:
     mode lasts: it is not integrated, the field need not write its rate, and a reset into the mode need not
     write its value.
 
+    Of `kind` `map` the field writes the next state, not rates: the system is a map, with no other mode.
+
     `constants` are numbers that the field, and the guards, resets and conditions of the mode, read as
     `p.name`. Modes with the same field function and the same names of constants are compiled once.
     """
@@ -31,9 +36,14 @@ class Mode:
     about: str = ""
     states: tuple[str, ...] | None = None
     constants: Mapping[str, float] = attribute(default_factory=dict, hash=False)
+    kind: str = "flow"
 
     def __post_init__(self) -> None:
         require_name("A mode", self.name)
+        if self.kind not in (*KINDS_OF_MODES, ITERATED):
+            raise SystemDefinitionError(
+                f"Mode '{self.name}' has kind {shown(self.kind)}.", f"Allowed: {', '.join(KINDS_OF_MODES)}."
+            )
         require_callable(f"The field of mode '{self.name}'", self.field)
         if isinstance(self.states, str):
             raise SystemDefinitionError(

@@ -16,6 +16,7 @@ from contwalk.memory import memory_of, remembered
 from contwalk.system.at_one_instant import before_others, in_declared_order
 from contwalk.system.checks import check_labels, check_presets, check_references, entries_of
 from contwalk.system.declared import Declared, with_conserved
+from contwalk.system.maps import iterated
 from contwalk.system.modes import Condition, Mode, Transition
 from contwalk.system.names import is_number, nearest, require_callable, require_name, require_texts
 from contwalk.system.observables import Observable, Signal, with_extremes
@@ -71,6 +72,7 @@ class System(Declared):
         require_texts(f"System '{self.name}'", self, "reference", "about")
         for what, kind in _TUPLES.items():
             object.__setattr__(self, what, entries_of(self, what, kind))
+        iterated(self)
         object.__setattr__(self, "parameters", with_conserved(self))
         object.__setattr__(self, "observables", with_extremes(self.observables, self.signals))
         if self.period is not None:
