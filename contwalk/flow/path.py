@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,6 +11,9 @@ import numpy as np
 # From this share of stability-limited steps on, steps that are taken again from elsewhere are made so many
 # times finer.
 STEADY, FINER = 0.1, 1.25
+# What drivers answer, in their order, and that there is no room for another step.
+STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
+FULL = 4
 
 
 class ErrorControl(NamedTuple):
@@ -76,6 +79,41 @@ class Path:
     rejected: int
     stiff_fraction: float
     status: str
+
+    @classmethod
+    def grown(
+        cls,
+        march: Callable[[np.ndarray, np.ndarray], int],
+        t0: float,
+        x0: Sequence[float] | np.ndarray,
+        room: int,
+        counted: Callable[[], tuple[int, int, int, int]],
+        states: int | None = None,
+    ) -> tuple[Path, np.ndarray]:
+        """The path that a driver writes, given more room until it needs no more, and its vectors.
+
+        Parameters
+        ----------
+        march : callable
+            Writes on into times and vectors, shapes (s,) and (s, m); its answer is a number of STATUS, or
+            FULL.
+        t0 : float
+        x0 : ndarray, shape (m,)
+        room : int
+            Steps that there is room for at first.
+        counted : callable
+            How many steps were made, evaluations, rejected steps, and steps that stability has limited.
+        states : int, optional
+            How many of a vector are the states; all by default.
+        """
+        times, nodes = np.empty(room + 1), np.empty((room + 1, len(x0)))
+        times[0], nodes[0] = t0, x0
+        while (answer := march(times, nodes)) == FULL:
+            times = np.concatenate([times, np.empty(len(times))])
+            nodes = np.concatenate([nodes, np.empty_like(nodes)])
+        steps, evaluations, rejected, stiff = counted()
+        own = times[: steps + 1].copy(), nodes[: steps + 1, :states].copy()
+        return cls(*own, evaluations, rejected, stiff / max(steps, 1), STATUS[answer]), nodes
 
     @property
     def steady(self) -> np.ndarray:

@@ -7,7 +7,6 @@ from contwalk.flow.compiled.call_record import CallRecord, call_record
 DONE, NOT_FINITE, TOO_MANY_STEPS, STEP_TOO_SMALL, FULL = range(5)
 # Coefficients of a step's polynomial before those that `dense` tells of.
 FIRST_ROWS = 3
-STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
 
 
 @call_record

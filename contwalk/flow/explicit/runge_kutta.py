@@ -17,7 +17,7 @@ from contwalk.flow.explicit import stages
 from contwalk.flow.explicit.batched_steps import MARCH_BATCHED, WORTH, Paths, marched
 from contwalk.flow.explicit.columns import aligned
 from contwalk.flow.explicit.driver_call import MARCH, Call, checked, method_of, times_of, undriven
-from contwalk.flow.explicit.explicit_call import FIRST_ROWS, FULL, STATUS, Counts, PolynomialCall, StepControl
+from contwalk.flow.explicit.explicit_call import FIRST_ROWS, Counts, PolynomialCall, StepControl
 from contwalk.flow.path import ErrorControl, Path, Tangents
 from contwalk.numerics.distinct import distinct
 
@@ -91,28 +91,17 @@ def _controlled(call: Call, t0: float, t1: float, bound: ErrorControl) -> tuple[
     control, counts = StepControl(time=t0), Counts()
     call.controlled(control, counts)
     call.record.most_steps, call.record.far_out = bound.max_steps, bound.far_out
-    times, nodes = np.empty(_ROOM + 1), np.empty((_ROOM + 1, call.length))
-    times[0], nodes[0] = t0, call.vectors[stages.Y]
-    while True:
+
+    def march(times: np.ndarray, nodes: np.ndarray) -> int:
         call.record.times, call.record.nodes = address(times), address(nodes)
         call.record.room = len(times) - 1
-        answer = ADAPTIVE(
-            call.record.address, t1, bound.tolerance, call.method.error_order, call.method.stable
-        )
-        if answer != FULL:
-            break
-        times = np.concatenate([times, np.empty(len(times))])
-        nodes = np.concatenate([nodes, np.empty_like(nodes)])
-    steps = counts.steps
-    path = Path(
-        times=times[: steps + 1].copy(),
-        states=nodes[: steps + 1, :n].copy(),
-        evaluations=counts.evaluations,
-        rejected=counts.rejected,
-        stiff_fraction=counts.stiff / max(steps, 1),
-        status=STATUS[answer],
-    )
-    return path, nodes
+        orders = call.method.error_order, call.method.stable
+        return int(ADAPTIVE(call.record.address, t1, bound.tolerance, *orders))
+
+    def counted() -> tuple[int, int, int, int]:
+        return counts.steps, counts.evaluations, counts.rejected, counts.stiff
+
+    return Path.grown(march, t0, call.vectors[stages.Y], _ROOM, counted, n)
 
 
 def along(field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str) -> np.ndarray:

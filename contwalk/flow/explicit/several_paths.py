@@ -9,8 +9,8 @@ from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.explicit.columns import aligned
 from contwalk.flow.explicit.driver_call import Call, checked
-from contwalk.flow.explicit.explicit_call import FULL, STATUS, Counts, StepControl
-from contwalk.flow.path import ErrorControl, Path
+from contwalk.flow.explicit.explicit_call import Counts, StepControl
+from contwalk.flow.path import FULL, STATUS, ErrorControl, Path
 
 ADAPTIVE_EACH = Entry("contwalk.flow.explicit.several_driver", "adaptive_each", "q", "qqqqqddd")
 # Nodes that each path has room for at first.

@@ -32,8 +32,6 @@ IMPLICIT = True
 
 # Steps for which memory is set aside before it is known how many there are.
 _ROOM = 256
-_STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
-_FULL = 4
 
 _PATHS = Entry("contwalk.flow.gauss.kernel", "gauss_paths", "q", "q")
 _ERRORS = Entry("contwalk.flow.gauss.kernel", "gauss_errors", "q", "q")
@@ -78,33 +76,20 @@ def adaptive(
 ) -> Path:
     """As `integrate.adaptive`; `evaluations` counts right-hand sides and Jacobians alike."""
     call, control = _Call(field, c, method, estimating=True), GaussControl()
-    times, states = np.empty(_ROOM + 1), np.empty((_ROOM + 1, field.n))
-    times[0], states[0] = t0, x0
     record = call.record
-    record.t1, record.tolerance, record.most, record.control = (
-        t1,
-        bound.tolerance,
-        bound.max_steps,
-        control.address,
-    )
+    record.t1, record.tolerance, record.most = t1, bound.tolerance, bound.max_steps
+    record.control = control.address
     call.give(weights=bound.weights)
-    while True:
+
+    def march(times: np.ndarray, states: np.ndarray) -> int:
         call.give(times=times, states=states)
         record.count = len(times)
-        code = _ADAPTIVE(record.address)
-        if code != _FULL:
-            break
-        times = np.concatenate([times, np.empty(len(times))])
-        states = np.concatenate([states, np.empty_like(states)])
-    count = control.steps + 1
-    return Path(
-        times=times[:count].copy(),
-        states=states[:count].copy(),
-        evaluations=control.evaluations,
-        rejected=control.rejected,
-        stiff_fraction=0.0,
-        status=_STATUS[code],
-    )
+        return int(_ADAPTIVE(record.address))
+
+    def counted() -> tuple[int, int, int, int]:
+        return control.steps, control.evaluations, control.rejected, 0
+
+    return Path.grown(march, t0, x0, _ROOM, counted)[0]
 
 
 def _marched(

@@ -33,9 +33,6 @@ _ROOM = 512
 # Of the error of the embedded formula, in the translation of tolerances (that of RADAU).
 SHARE = 0.1
 
-_STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
-_FULL = 4
-
 _MARCH = Entry("contwalk.flow.radau.kernel", "radau_march", "q", "q")
 _ADAPTIVE = Entry("contwalk.flow.radau.kernel", "radau_adaptive", "q", "q")
 _TANGENTS = Entry("contwalk.flow.radau.tangents", "radau_tangents", "q", "q")
@@ -96,30 +93,21 @@ def adaptive(
 ) -> Path:
     """As `integrate.adaptive`; `evaluations` counts right-hand sides and Jacobians alike."""
     call = _Call(field, c, TABLEAUS[method])
-    times, states = np.empty(_ROOM + 1), np.empty((_ROOM + 1, field.n))
-    times[0], states[0] = t0, x0
     control, counts, record = RadauControl(), RadauCounts(), call.record
     record.t1, record.tolerance, record.most = t1, bound.tolerance, bound.max_steps
     record.allowed = _measured(bound.tolerance, TABLEAUS[method].stages)
     record.control, record.counts = control.address, counts.address
     call.give(weights=bound.weights)
-    while True:
+
+    def march(times: np.ndarray, states: np.ndarray) -> int:
         call.give(times=times, states=states)
         record.steps = len(times) - 1
-        code = _ADAPTIVE(record.address)
-        if code != _FULL:
-            break
-        times = np.concatenate([times, np.empty(len(times))])
-        states = np.concatenate([states, np.empty_like(states)])
-    steps = counts.steps
-    return Path(
-        times=times[: steps + 1].copy(),
-        states=states[: steps + 1].copy(),
-        evaluations=counts.evaluations + counts.jacobians,
-        rejected=counts.rejected,
-        stiff_fraction=0.0,
-        status=_STATUS[code],
-    )
+        return int(_ADAPTIVE(record.address))
+
+    def counted() -> tuple[int, int, int, int]:
+        return counts.steps, counts.evaluations + counts.jacobians, counts.rejected, 0
+
+    return Path.grown(march, t0, x0, _ROOM, counted)[0]
 
 
 def _march(
