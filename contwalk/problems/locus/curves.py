@@ -60,8 +60,8 @@ class Curve(ABC):
         return {"of": self.of, **({"curve": {"name": self.name, **own}} if self.name else {})}
 
 
-def _matrix(plane: Plane, z: np.ndarray) -> np.ndarray:
-    return plane.jacobian(z)[:, : plane.size]
+def _shifted(plane: Plane, z: np.ndarray, sigma: float) -> np.ndarray:
+    return plane.jacobian(z)[:, : plane.size] - sigma * np.diag(plane.finite)
 
 
 class Folds(Curve):
@@ -70,8 +70,9 @@ class Folds(Curve):
     of = "LP"
 
     def condition(self, plane: Plane, z: np.ndarray, own: float) -> Condition:
-        """g(z, 0) = 0, with borders for z, shape (N + 2,)."""
-        return Zero(zero_borders(_matrix(plane, z)))
+        """g(z, sigma) = 0, with borders for z, shape (N + 2,)."""
+        sigma = self.real_part or 0.0
+        return Zero(zero_borders(_shifted(plane, z, sigma)), sigma)
 
     def held(self, own: float) -> np.ndarray:
         """Zero, shape (1,)."""
@@ -86,8 +87,9 @@ class HopfPoints(Curve):
     pair = True
 
     def condition(self, plane: Plane, z: np.ndarray, own: float) -> Condition:
-        """alpha = beta = 0, with borders for z, shape (N + 2,)."""
-        return Pair(pair_borders(_matrix(plane, z), plane.finite, own))
+        """alpha = beta = 0 of F_u - sigma E, with borders for z, shape (N + 2,)."""
+        sigma = self.real_part or 0.0
+        return Pair(pair_borders(_shifted(plane, z, sigma), plane.finite, own), sigma)
 
     def held(self, own: float) -> np.ndarray:
         """The pair, shape (2,)."""
@@ -139,43 +141,33 @@ class AtParameter(Curve):
 
 
 @dataclass(frozen=True)
-class RealEigenvalueAt(Curve):
-    """The largest real part of eigenvalues, a real one's, at a value that is not zero."""
+class _RealPartAt:
+    """A largest real part of eigenvalues that is not zero: none of them is critical."""
 
     level: float
+
+    @property
+    def real_part(self) -> float:
+        """The value."""
+        return self.level
+
+    def held(self, own: float) -> np.ndarray:
+        """None, shape (0,)."""
+        return np.zeros(0, dtype=complex)
+
+
+class RealEigenvalueAt(_RealPartAt, Folds):
+    """The largest real part of eigenvalues, a real one's, at a value that is not zero."""
+
     of = MARKED
     name = "real"
 
-    @property
-    def real_part(self) -> float:
-        """The value."""
-        return self.level
 
-    def condition(self, plane: Plane, z: np.ndarray, own: float) -> Condition:
-        """g(z, sigma) = 0, with borders for z, shape (N + 2,)."""
-        shifted = _matrix(plane, z) - self.level * np.diag(plane.finite)
-        return Zero(zero_borders(shifted), self.level)
-
-
-@dataclass(frozen=True)
-class PairAt(Curve):
+class PairAt(_RealPartAt, HopfPoints):
     """The largest real part of eigenvalues, a complex pair's, at a value that is not zero."""
 
-    level: float
     of = MARKED
     name = "pair"
-    own = 1
-    pair = True
-
-    @property
-    def real_part(self) -> float:
-        """The value."""
-        return self.level
-
-    def condition(self, plane: Plane, z: np.ndarray, own: float) -> Condition:
-        """alpha = beta = 0 of F_u - sigma E, with borders for z, shape (N + 2,)."""
-        shifted = _matrix(plane, z) - self.level * np.diag(plane.finite)
-        return Pair(pair_borders(shifted, plane.finite, own), self.level)
 
 
 FOLDS, HOPF_POINTS, BRANCH_POINTS = Folds(), HopfPoints(), BranchPoints()
