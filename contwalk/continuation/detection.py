@@ -74,7 +74,7 @@ def bifurcations(segment: Segment) -> list[Found]:
         if disagreement.hidden is None:
             raise
         try:
-            found = _in_three_parts(segment, disagreement, *disagreement.hidden)
+            found = _in_three_parts(segment, disagreement, disagreement.hidden[0])
         except Disagreement:
             found = at_the_turn(segment, disagreement.hidden[1])
             if not found:
@@ -97,7 +97,7 @@ def _in_order(segment: Segment) -> list[Found]:
     return _counted(segment, sorted(found, key=lambda f: f.theta), [segment.at(t).unstable for t in knots])
 
 
-def _in_three_parts(segment: Segment, hidden: Disagreement, theta: float, which: int) -> list[Found]:
+def _in_three_parts(segment: Segment, hidden: Disagreement, theta: float) -> list[Found]:
     """All bifurcations on a segment, what errors of its steps hide at a place from the finest steps.
 
     Raises
@@ -105,7 +105,7 @@ def _in_three_parts(segment: Segment, hidden: Disagreement, theta: float, which:
     Disagreement, LostBranch
         As well where the finest steps hide it too, or count otherwise where they begin and end.
     """
-    finer = on_finest_steps(segment, theta, which)
+    finer = on_finest_steps(segment, theta, hidden.type)
     if finer is None:
         raise hidden
     low, high = finer.sides

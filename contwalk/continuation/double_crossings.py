@@ -6,33 +6,60 @@ homoclinic orbits of saddle-foci each fold has its period doubling that near. Be
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
 from contwalk.continuation.eigenvalues_between import peaks
-from contwalk.continuation.hidden_pairs import decided, held, reached, undecided
+from contwalk.continuation.indicator import Indicator, decided, extremum
 from contwalk.continuation.kinds import crossed, kind_of_test, turning_or_pair
-from contwalk.continuation.locating import (
-    KNOWN,
-    Disagreement,
-    Found,
-    accepted,
-    locate_multiple,
-    on_finest_steps,
-)
-from contwalk.continuation.marks import FINER
+from contwalk.continuation.locating import Disagreement, Found, locate_multiple
 from contwalk.continuation.segment import LostBranch, Placed, Segment
-from contwalk.numerics import cubic
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Sample, Test
+from contwalk.problems.problem import PointType, Sample, Test
 
-# Nearer to zero than this, against the ends, an extremum is looked at on the finest steps.
-CLOSE = 1e-4
 # How narrow a bracket says where a multiplier changes its sign, in parts of the segment.
 NARROW = 1e-6
+
+
+class Measure(Indicator):
+    """A stability measure of a number, in their order: it has corners where eigenvalues change roles."""
+
+    corner = True
+
+    def kind(self, sample: Sample) -> PointType:
+        """What a pair crosses, or a real eigenvalue where there is no fold."""
+        problem = self.segment.problem
+        return crossed(problem, sample, self.which) or kind_of_test(problem, Test.ORIENTATION)
+
+    def value(self, sample: Sample) -> float:
+        """How far it is beyond zero; where a real part is zero and turns a motion looks conservative."""
+        own = sample.measures if self.flat(self.segment.a) else sample.beyond(sample.eigenvalues)
+        return float(own[self.which])
+
+    def error(self, sample: Sample) -> float:
+        """That of the eigenvalue."""
+        return float(sample.errors[self.which])
+
+    def doubt(self, sample: Sample) -> float:
+        """That of the spectrum."""
+        return sample.spectrum_error or 0.0
+
+    def rate(self, sample: Sample) -> float:
+        """That of the measure."""
+        return sample.rates[self.which]
+
+    def flat(self, sample: Sample) -> bool:
+        """Whether an eigenvalue stays on the border, of a conservative motion: its measure is another one."""
+        own = sample.beyond(sample.eigenvalues)[self.which]
+        return bool(abs(own) < 0.5 * abs(sample.measures[self.which]))
+
+    def beyond(self) -> int:
+        """Those at the ends, and one or two more or fewer."""
+        a = self.segment.a
+        passing = 1 if a.eigenvalues[self.which].imag == 0.0 else 2
+        return a.unstable + (passing if a.measures[self.which] < 0.0 else -passing)
 
 
 def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float], list[Found]]:
@@ -45,12 +72,14 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     ends: list[Placed] = [(0.0, segment.a), *[(f.theta, f.sample) for f in branch_points], (1.0, segment.b)]
     knots: list[float] = [0.0, 1.0]
     touching: list[Found] = []
-    for low, high, which in _dips(segment, ends, knots):
-        theta, passes = _extremum(segment, which, low, high)
-        if any(abs(theta - f.theta) < 1e-3 for f in touching):  # both of a pair have one extremum
-            continue
-        together = locate_multiple(segment, theta) if not passes and _touches(segment, which, theta) else None
-        pair = [together] if together is not None else _close_pair(segment, which, theta)
+    for low, high, measure in _measures_between(segment, ends, knots):
+        found = extremum(measure, low, high)
+        if found is None or any(abs(found[0] - f.theta) < 1e-3 for f in touching):
+            continue  # both of a pair have one extremum
+        theta, passes = found
+        touches = not passes and _touches(segment, measure.which, theta)
+        together = locate_multiple(segment, theta) if touches else None
+        pair = [together] if together is not None else decided(measure, theta)
         if pair is not None:
             touching += pair
         elif passes:
@@ -60,8 +89,10 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     return sorted(set(knots)), touching
 
 
-def _dips(segment: Segment, ends: list[Placed], knots: list[float]) -> Iterator[tuple[Placed, Placed, int]]:
-    """Solutions between which a measure of a number may have an extremum beyond zero; `knots` gets peaks.
+def _measures_between(
+    segment: Segment, ends: list[Placed], knots: list[float]
+) -> Iterator[tuple[Placed, Placed, Measure]]:
+    """Solutions between which a measure may have an extremum beyond zero; `knots` gets peaks.
 
     Where two eigenvalues meet, their measures are smooth from there on: what is looked at there is as well.
     """
@@ -70,8 +101,7 @@ def _dips(segment: Segment, ends: list[Placed], knots: list[float]) -> Iterator[
         knots += peaks(segment, begin, end)
         inside = [(theta, segment.at(theta)) for theta in segment.places if theta not in known]
         for low, high in pairwise((begin, *(there for there in inside if not there[1].undecided), end)):
-            for which in _suspects(low[1], high[1], (high[0] - low[0]) * segment.length):
-                yield low, high, which
+            yield from ((low, high, Measure(segment, which)) for which in _same_side(low[1], high[1]))
 
 
 def _between_one_and_minus_one(segment: Segment) -> float | None:
@@ -132,61 +162,6 @@ def _beyond_one(sample: Sample) -> int:
     return int(np.count_nonzero((counted.imag == 0.0) & (counted.real > 1.0)))
 
 
-def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | None:
-    """Two crossings so near to each other that errors may hide or make them.
-
-    They are looked for on the finest steps, or by more digits; None where the extremum is not that near to
-    zero.
-    """
-    sample = segment.at(theta)
-    if segment.problem.meshed is None:
-        near = abs(reached(segment, sample, which)) <= KNOWN * sample.errors[which]
-        return decided(segment, which, theta) if near and not held(segment.a, which) else None
-    ends = max(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
-    if abs(sample.measures[which]) > max(CLOSE * ends, sample.spectrum_error or 0.0):
-        return None
-    finer = on_finest_steps(segment, theta, which)
-    if finer is None:
-        return None
-    part = finer.part
-    if any(end.measures[which] * segment.a.measures[which] < 0.0 for end in (part.a, part.b)):
-        return None  # beyond zero on the finest steps, too, and for longer than these look
-    middle, passes = _extremum(part, which, (0.0, part.a), (1.0, part.b))
-    there = part.at(middle)
-    kind = crossed(part.problem, there, which) or kind_of_test(part.problem, Test.ORIENTATION)
-    # What is off on finer steps is a part of what these have changed.
-    left = FINER * abs(reached(segment, sample, which) - reached(part, there, which))
-    error = max(there.errors[which], left)
-
-    def known(sample: Sample) -> bool:
-        return abs(reached(part, sample, which)) > error
-
-    # What is held on the border touches it where two meet, and what is flat at zero tells nothing.
-    flat = any(held(end, which) or not known(end) for end in (part.a, part.b))
-    if not flat and not known(there):
-        return [finer.placed(undecided(part, kind, middle, known))]
-    if not passes:
-        return []
-    found = []
-
-    def value(theta: float) -> float:
-        return float(part.at(theta).measures[which])
-
-    def attempt(theta: float, left: float, right: float) -> Found | None:
-        own = crossed(part.problem, part.at(theta), which)
-        return None if own is None else accepted(part, own, part.at(theta), which, left, right)
-
-    outside = part.a.unstable
-    passing = 1 if part.a.eigenvalues[which].imag == 0.0 else 2
-    inside = outside + (passing if part.a.measures[which] < 0.0 else -passing)
-    for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
-        point = narrow(value, low, high, value(low), value(high), attempt)
-        if point is None:
-            raise Disagreement(kind, "Of two near crossings one is lost.")
-        found.append(replace(finer.placed(point), before=before, after=after, counted=True))
-    return found
-
-
 def _touches(segment: Segment, which: int, theta: float) -> bool:
     """Whether a real eigenvalue is zero at its extremum, against what it is at the ends."""
     sample = segment.at(theta)
@@ -194,47 +169,12 @@ def _touches(segment: Segment, which: int, theta: float) -> bool:
     return sample.eigenvalues[which].imag == 0.0 and abs(sample.measures[which]) < 1e-5 * ends
 
 
-def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
-    """Measures with the same sign at both ends whose cubic interpolation comes near zero in between."""
+def _same_side(a: Sample, b: Sample) -> Iterator[int]:
+    """Measures that are known to have the same sign at both ends."""
     ma, mb = a.measures, b.measures
     certain = (np.abs(ma) > a.errors) & (np.abs(mb) > b.errors)
     for which in np.flatnonzero(certain & (np.sign(ma) == np.sign(mb))).tolist():
-        sign = float(np.sign(ma[which]))
         ends = a.eigenvalues[which], b.eigenvalues[which]
-        if ends[0].imag == ends[1].imag == 0.0 and np.sign(ends[0].real) * np.sign(ends[1].real) < 0.0:
-            continue  # it passes both 1 and -1, or zero: see `_between_one_and_minus_one`
-        # Towards zero at the one end, away from it at the other: an extremum lies between. A rate has a
-        # price, so the end is asked first at which it is less likely; and a comparison with one that is not
-        # known is false.
-        asked = ((a, -sign), (b, sign))
-        if abs(mb[which]) < abs(ma[which]):
-            asked = asked[::-1]
-        if not all(sample.rates[which] * way > 0.0 for sample, way in asked):
-            continue
-        values, rates = ((sign * float(at[which]) for at in each) for each in ((ma, mb), (a.rates, b.rates)))
-        # There may be a corner, where eigenvalues change roles.
-        if cubic.dip([*values], [length * rate for rate in rates], corner=True) is not None:
+        # One that passes both 1 and -1, or zero, is told by `_between_one_and_minus_one`.
+        if not ends[0].imag == ends[1].imag == 0.0 or np.sign(ends[0].real) == np.sign(ends[1].real):
             yield which
-
-
-def _extremum(
-    segment: Segment, which: int, low: tuple[float, Sample], high: tuple[float, Sample]
-) -> tuple[float, bool]:
-    """Position of an extremum of measure `which`, and whether its sign differs from that at the ends."""
-    sign = np.sign(low[1].measures[which])
-    least, place = sign * reached(segment, low[1], which), low[0]
-
-    def rate(sample: Sample) -> float:
-        return float(np.nan_to_num(sample.rates[which], posinf=0.0, neginf=0.0))
-
-    def attempt(theta: float, left: float, right: float) -> float | None:
-        nonlocal least, place
-        sample = segment.at(theta)
-        value = sign * reached(segment, sample, which)
-        if value < least:
-            least, place = value, theta
-        return theta if value < -sample.errors[which] else None
-
-    ends = low[0], high[0], rate(low[1]), rate(high[1])
-    found = narrow(lambda t: rate(segment.at(t)), *ends, attempt, width=1e-9)
-    return (found, True) if found is not None else (place, False)

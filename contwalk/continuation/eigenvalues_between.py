@@ -16,19 +16,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contwalk.continuation.segment import Placed, Segment, looked_for
+from contwalk.continuation.segment import Placed, Segment
 from contwalk.numerics import cubic
 from contwalk.problems.problem import Sample
 
 # Where D bends by less than this part of what it is its root does not, to the same part.
 STRAIGHT = 0.05
+# How often a part is halved: a cubic of values and rates at its ends is 16 times as good each time.
+HALVINGS = 6
 # Places at which cubics are asked.
 PLACES = np.linspace(0.0, 1.0, 33)
 # Numbers of the first and of the second of each pair of so many.
 _pairs = cache(np.triu_indices)
 
 
-def peaks(segment: Segment, low: Placed, high: Placed) -> Iterator[float]:
+def peaks(segment: Segment, low: Placed, high: Placed, halvings: int = HALVINGS) -> Iterator[float]:
     """Places between two solutions with as many unstable eigenvalues, at which they are more or fewer.
 
     Raises
@@ -37,13 +39,18 @@ def peaks(segment: Segment, low: Placed, high: Placed) -> Iterator[float]:
         If a solution there cannot be computed.
     """
     count = low[1].unstable
-
-    def place(before: Placed, behind: Placed) -> float | None:
-        if not before[1].unstable == behind[1].unstable == count:
-            return None
-        return _place(before[1], behind[1], (behind[0] - before[0]) * segment.length)
-
-    return looked_for(segment, low, high, place, lambda sample: sample.unstable != count)
+    if not halvings or high[1].unstable != count:
+        return
+    share = _place(low[1], high[1], (high[0] - low[0]) * segment.length)
+    if share is None:
+        return
+    theta = low[0] + share * (high[0] - low[0])
+    middle = theta, segment.at(theta)
+    if middle[1].unstable != count:
+        yield theta
+        return
+    yield from peaks(segment, low, middle, halvings - 1)
+    yield from peaks(segment, middle, high, halvings - 1)
 
 
 class _End(NamedTuple):

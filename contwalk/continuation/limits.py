@@ -8,25 +8,19 @@ least in between.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
-from contwalk.continuation.hidden_pairs import undecided
-from contwalk.continuation.locating import (
-    WELL_BEYOND,
-    Disagreement,
-    Found,
-    Subsegment,
-    accepted,
-    known_to,
-)
-from contwalk.continuation.segment import LostBranch, Placed, Segment, dip_between, looked_for
+from contwalk.continuation.indicator import Indicator, decided, extremum
+from contwalk.continuation.locating import WELL_BEYOND, Disagreement, Found, accepted, known_to
+from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Limit, Located, Problem, Sample
+from contwalk.numerics.linear import EPSILON, norm_in
+from contwalk.problems.problem import Limit, LimitType, Located, Problem, Sample
 
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
@@ -43,8 +37,38 @@ SAME_PLACE = 1e-6
 IN_DOUBT = 1e-3
 # It has gone there steadily, and not jumped, if half way it is this near to the mean.
 STEADY = 0.25
-# Displacement along the branch, in the metric, for the rate of a margin: the root of what it is known to.
-ASIDE = 1e-4
+
+
+class Margin(Indicator):
+    """The margin of a limit."""
+
+    def kind(self, sample: Sample) -> LimitType:
+        """That of the limit."""
+        return limits_of(self.segment.problem)[self.which].type
+
+    def value(self, sample: Sample) -> float:
+        """As samples tell it."""
+        return float(sample.margins[self.which])
+
+    def error(self, sample: Sample) -> float:
+        """In units of what the metric's change it by, what the solutions are known to, and rounding."""
+        size = norm_in(sample.z, self.segment.weights)
+        return max(known_to(self.segment), float(np.nan_to_num(sample.error))) + EPSILON * size
+
+    def rate(self, sample: Sample) -> float:
+        """By a place ahead; NaN where it has no value there.
+
+        So far off an extremum, which is a square, it is what it is there to a hundredth of its error.
+        """
+        limited, aside = self.segment.problem.limited, 0.1 * np.sqrt(self.error(sample))
+        assert limited is not None
+        ahead = limited.margins(sample.z + aside * sample.tangent, sample.weights)
+        return float(ahead[self.which] - sample.margins[self.which]) / aside
+
+    def crossing(self, low: float, high: float) -> Found | None:
+        """The limit there."""
+        first, last = (self.value(self.segment.at(theta)) for theta in (low, high))
+        return _located(self.segment, self.which, first, last, [], low, high)
 
 
 def passed(segment: Segment, begins: bool) -> list[Found]:
@@ -55,69 +79,83 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     Disagreement, LostBranch
         If one is passed and cannot be located.
     """
-    doubtful: list[Found] = []
-    for place, which, sure in dips(segment, ROUNDED, known_to(segment)):
-        if not sure:
-            doubtful.append(_undecided(segment, which, place))
-            continue
-        before = Subsegment(segment.until(place), (0.0, place))
-        behind = Subsegment(segment.since(place), (place, 1.0))
-        points = [before.placed(point) for point in passed(before.part, begins)]
-        points += [behind.placed(point) for point in passed(behind.part, begins=False)]
-        pair = [point for point in points if point.located.limit == which]
-        if len(pair) == 2 and not _apart(*pair):
-            points = [point for point in points if point.located.limit != which]
-            points.append(_undecided(segment, which, place))
-        return points + doubtful
     limited, a, b = segment.problem.limited, segment.a, segment.b
     if limited is None:
         return []
     found: list[Found] = []
     lost: dict[int, LostBranch | Disagreement] = {}
-    for which in sorted(_changed(a.margins, b.margins, begins), key=lambda k: limited.limits[k].rank):
-        first, last = float(a.margins[which]), float(b.margins[which])
-        if abs(first) <= (BORN if begins else ROUNDED) and last > 0.0:
-            continue  # born there, or begun next to it, and gone to the machine's side
-        # A solution that is a limit itself, to rounding, is on the machine's side: of two steps that meet
-        # there one passes it.
-        first, last = (ROUNDED if abs(margin) <= ROUNDED else margin for margin in (first, last))
-        low = 0.0
-        if begins and abs(first) <= BORN:  # it starts at the limit, which is passed at once, or again later
-            low, first = _beside(segment, which) if last < 0.0 else (0.0, ROUNDED)
-        if (first > 0.0) == (last > 0.0):
-            continue
-        try:
-            point = _located(segment, which, first, last, found, low)
-        except (LostBranch, Disagreement) as error:
-            lost[which] = error
-            continue
-        if point is not None and not any(point is known for known in found):
-            # What its equations have found it to be may be another limit than the one that led to it.
-            own = point.located.among(limited.limits).type
-            found.append(replace(point, type=own, entered=own.entered and first < 0.0 < last))
+    turning, hidden = _turning(segment, BORN if begins else ROUNDED)
+    changed = set(_changed(a.margins, b.margins, begins)) | set(turning)
+    for which in sorted(changed, key=lambda k: limited.limits[k].rank):
+        knots = _knots(segment, which, begins, turning.get(which))
+        for (low, first), (high, last) in pairwise(knots):
+            if (first > 0.0) == (last > 0.0):
+                continue
+            try:
+                point = _located(segment, which, first, last, found, low, high)
+            except (LostBranch, Disagreement) as error:
+                lost[which] = error
+                continue
+            if point is not None and not any(point is known for known in found):
+                # What its equations have found it to be may be another limit than the one that led to it.
+                own = point.located.among(limited.limits).type
+                found.append(replace(point, type=own, entered=own.entered and first < 0.0 < last))
     for which, reason in lost.items():  # told by the leg that vanishes where they pass zero
         if not any(which in point.located.vanishing for point in found):
             raise reason
     # Beside one that is located, within errors of the solutions there, it is that one.
     places, apart = np.array([f.theta for f in found]), WELL_BEYOND / segment.length
-    alone = [d for d in doubtful if np.all(np.abs(places - d.theta) > apart * d.sample.error)]
+    alone = [d for d in hidden if np.all(np.abs(places - d.theta) > apart * d.sample.error)]
     return sorted([*found, *alone], key=lambda f: f.theta)
 
 
-def _apart(one: Found, other: Found) -> bool:
-    """Whether two located points are two, by what the parameter is known to at them."""
-    away = abs(one.sample.parameter - other.sample.parameter)
-    return away > one.located.error + other.located.error
+def _turning(segment: Segment, least: float) -> tuple[dict[int, float], list[Found]]:
+    """Margins with one sign at both ends that have the other one at a place between, and these places.
+
+    With them what is told of those that come as near to zero as they are known.
+
+    One that is at zero where the segment begins, by as much as `least`, leaves it. One that is larger than
+    the step is long would have to change faster than anything that is watched.
+    """
+    a, b = segment.a.margins, segment.b.margins
+    places: dict[int, float] = {}
+    hidden: list[Found] = []
+    if len(a) != len(b):
+        return places, hidden
+    with np.errstate(invalid="ignore"):
+        nearer = np.minimum(np.abs(a), np.abs(b))
+        near = np.flatnonzero((a * b > 0.0) & (nearer < segment.length) & (np.abs(a) > least))
+    for which in near.tolist():
+        own = Margin(segment, which)
+        if nearer[which] <= own.error(segment.a):
+            continue
+        found = extremum(own, (0.0, segment.a), (1.0, segment.b))
+        if found is None:
+            continue
+        points = decided(own, found[0])
+        if points is None and found[1]:
+            places[which] = found[0]
+        for inside, point in enumerate(points or (), start=int(a[which] < 0.0)):
+            comes_back = inside % 2 == 1 and own.kind(point.sample).entered
+            located = replace(point.located, limit=which)
+            entered = comes_back or point.kind == "unlocated"
+            hidden.append(replace(point, located=located, counted=False, entered=entered))
+    return places, hidden
 
 
-def _undecided(segment: Segment, which: int, place: float) -> Found:
-    """What is told of a margin that comes as near to zero as it is known, and turns back."""
-
-    def known(sample: Sample) -> bool:
-        return bool(abs(sample.margins[which]) > max(ROUNDED, known_to(segment)))
-
-    point = undecided(segment, limits_of(segment.problem)[which].type, place, known)
-    return replace(point, located=replace(point.located, limit=which), entered=True)
+def _knots(segment: Segment, which: int, begins: bool, turn: float | None) -> list[tuple[float, float]]:
+    """Places on a segment, and a margin at them, between which it passes zero once or not at all."""
+    first, last = float(segment.a.margins[which]), float(segment.b.margins[which])
+    if abs(first) <= (BORN if begins else ROUNDED) and last > 0.0:
+        return []  # born there, or begun next to it, and gone to the machine's side
+    # A solution that is a limit itself, to rounding, is on the machine's side: of two steps that meet
+    # there one passes it.
+    first, last = (ROUNDED if abs(margin) <= ROUNDED else margin for margin in (first, last))
+    low = 0.0
+    if begins and abs(first) <= BORN:  # it starts at the limit, which is passed at once, or again later
+        low, first = _beside(segment, which) if last < 0.0 else (0.0, ROUNDED)
+    between = [] if turn is None or turn <= low else [(turn, float(segment.at(turn).margins[which]))]
+    return [(low, first), *between, (1.0, last)]
 
 
 def _changed(a: np.ndarray, b: np.ndarray, begins: bool) -> list[int]:
@@ -165,15 +203,21 @@ def _alike(a: Limit, b: Limit) -> bool:
 
 
 def _located(
-    segment: Segment, which: int, first: float, last: float, earlier: Sequence[Found], low: float = 0.0
+    segment: Segment,
+    which: int,
+    first: float,
+    last: float,
+    earlier: Sequence[Found],
+    low: float = 0.0,
+    high: float = 1.0,
 ) -> Found | None:
-    """The limit between two margins, at `low` and at the end, or which of the earlier ones it is.
+    """The limit between two margins, at `low` and at `high`, or which of the earlier ones it is.
 
     None where there is none.
     """
     limits = limits_of(segment.problem)
     kind = limits[which].type
-    around = {low: first, 1.0: last}
+    around = {low: first, high: last}
 
     def value(theta: float) -> float:
         around[theta] = float(segment.at(theta).margins[which])
@@ -204,13 +248,13 @@ def _located(
     if max(abs(first), abs(last)) < 1.0:
         # Most margins are nearly straight between two solutions: where that puts the limit is near enough for
         # its own equations, without a solution there.
-        theta = low + (1.0 - low) * first / (first - last)
+        theta = low + (high - low) * first / (first - last)
         nearer = segment.a if theta < 0.5 else segment.b
         guess = replace(nearer, z=segment.guess(theta))
-        found = accepted(segment, kind, guess, which, low, 1.0, known)
+        found = accepted(segment, kind, guess, which, low, high, known)
         if found is not None:
             return found
-    met = narrow(value, low, 1.0, first, last, attempt, width=NARROWEST)
+    met = narrow(value, low, high, first, last, attempt, width=NARROWEST)
     if met == "jumps" or (met is None and _jumped(around)):
         return None
     if met is not None:
@@ -273,49 +317,3 @@ def up_to(problem: Problem, found: list[Found], end: Found, events: Mapping[str,
     ignored = [p for p in found if policy(problem, p, events) == "ignore"]
     before = [p for p in ignored if p.theta <= end.theta + SAME_PLACE]
     return [*(replace(p, theta=min(p.theta, end.theta)) for p in before), end]
-
-
-def dips(segment: Segment, rounded: float, known: float) -> Iterator[tuple[float, int, bool]]:
-    """Places at which a margin may have another sign than at both ends, its number, and whether it has.
-
-    It has by more than what is `rounded` of it; where it comes as near to zero as it is `known` that is not
-    sure. One that is larger than the step is long would have to change faster than anything that is watched.
-
-    Raises
-    ------
-    LostBranch
-        If a solution there cannot be computed.
-    """
-    a, b = segment.a.margins, segment.b.margins
-    if len(a) != len(b) or segment.problem.limited is None:
-        return
-    with np.errstate(invalid="ignore"):
-        least = np.minimum(np.abs(a), np.abs(b))
-        near = (a * b > 0.0) & (least < segment.length) & (least > rounded)
-    for which in np.flatnonzero(near).tolist():
-        sign = float(np.sign(a[which]))
-        place = next(_passing(segment, which, sign, rounded), None)
-        margins = {theta: sign * float(segment.at(theta).margins[which]) for theta in segment.places}
-        nearest = min(margins, key=margins.__getitem__)
-        if place is not None or margins[nearest] <= max(rounded, known) < least[which]:
-            yield (nearest if place is None else place), which, place is not None
-
-
-def _passing(segment: Segment, which: int, sign: float, rounded: float) -> Iterator[float]:
-    """Places at which a margin that has a sign at both ends of a segment has the other one."""
-
-    def value(sample: Sample) -> float:
-        return sign * float(sample.margins[which])
-
-    def place(low: Placed, high: Placed) -> float | None:
-        return dip_between(segment, low, high, value, lambda s: sign * _rate(segment, s, which))
-
-    return looked_for(segment, (0.0, segment.a), (1.0, segment.b), place, lambda s: value(s) < -rounded)
-
-
-def _rate(segment: Segment, sample: Sample, which: int) -> float:
-    """Derivative of a margin by arclength; NaN where it has no value beside a solution."""
-    limited = segment.problem.limited
-    assert limited is not None
-    beside = limited.margins(sample.z + ASIDE * sample.tangent, sample.weights)
-    return float(beside[which] - sample.margins[which]) / ASIDE

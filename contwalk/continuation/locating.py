@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test
+from contwalk.continuation.kinds import kinds_of_test
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import NARROW, narrow, zero_of
@@ -225,7 +225,7 @@ def located_along(segment: Segment, kind: PointType, low: float, high: float, wh
     if theta is None:
         return None
     try:
-        finer = on_finest_steps(segment, theta, which, low, high)
+        finer = on_finest_steps(segment, theta, kind, low, high)
     except Disagreement:
         finer = None
     around, ends = (Subsegment(segment, (0.0, 1.0)), (low, high)) if finer is None else (finer, (0.0, 1.0))
@@ -262,16 +262,11 @@ class Subsegment:
 
 
 def on_finest_steps(
-    segment: Segment, theta: float, which: int, low: float = 0.0, high: float = 1.0
+    segment: Segment, theta: float, kind: PointType, low: float = 0.0, high: float = 1.0
 ) -> Subsegment | None:
-    """What is around a position between two others, on the finest steps.
+    """What is around a position between two others, on the finest steps; a kind of point is in doubt there.
 
     None where the problem has none, or the branch is lost.
-
-    Parameters
-    ----------
-    which : int
-        The stability measure that is in doubt there.
 
     Raises
     ------
@@ -282,7 +277,6 @@ def on_finest_steps(
     try:
         problem = finest(segment.problem, sample.z, segment.weights)
     except NotFinite as error:
-        kind = crossed(segment.problem, sample, which) or kind_of_test(segment.problem, Test.ORIENTATION)
         raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
     if problem is None:
         return None

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, pairwise
+from itertools import pairwise
 
 import numpy as np
 
 from contwalk import quantities
+from contwalk.continuation.indicator import FINER, Indicator, decided, extremum
 from contwalk.continuation.kinds import kind_of_test
-from contwalk.continuation.locating import Found, same_point, sample_at
+from contwalk.continuation.locating import Disagreement, Found, on_finest_steps, same_point, sample_at
 from contwalk.continuation.newton import correct
-from contwalk.continuation.segment import LostBranch, Placed, Segment, dip_between, looked_for
+from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
-from contwalk.numerics.bracketing import narrow
-from contwalk.numerics.linear import parameter_held
+from contwalk.numerics.bracketing import narrow, zero_of
+from contwalk.numerics.linear import EPSILON, parameter_held
 from contwalk.problems.parameter_line import ParameterLine
-from contwalk.problems.problem import Located, Problem, Sample, Test, refined
+from contwalk.problems.problem import Located, PointType, Problem, Sample, Test, refined
 
 # How near to a turn of the branch, in parts of the segment, no extremum is looked for.
 TURN = 1e-3
@@ -31,8 +32,6 @@ STILL = 1e-9
 # How far beyond a place at which a rate is exactly zero its sign is looked at: in parts of a segment, or in
 # the metric.
 BEYOND = 1e-3
-# What is left of the error of the steps on finer ones: a hundredth of the tolerance leaves less.
-FINER = 0.05
 
 
 @dataclass(frozen=True)
@@ -94,73 +93,94 @@ def marked(
     return sorted(found, key=lambda f: f.theta)
 
 
-def _levels(segment: Segment, name: str, level: float, observer: Observer) -> list[Found]:
-    """Where a value is met on a segment: between its ends, or twice, before and behind an extremum."""
-    sign = float(np.sign(observer.value(name, segment.a) - level))
+class Level(Indicator):
+    """What a value is beyond one that is marked."""
 
-    def value(sample: Sample) -> float:
-        return sign * (observer.value(name, sample) - level)
+    corner = True
 
-    def rate(sample: Sample) -> float:
-        return sign * _rate(segment, name, observer, sample)
+    def __init__(self, segment: Segment, name: str, level: float, observer: Observer) -> None:
+        super().__init__(segment)
+        self._name, self._level, self._observer = name, level, observer
 
-    def nearest(low: Placed, high: Placed) -> float | None:
-        return dip_between(segment, low, high, value, rate, corner=True)
+    def on(self, segment: Segment) -> Level:
+        """The same along another segment."""
+        return Level(segment, self._name, self._level, self._observer)
 
-    try:
-        between = looked_for(segment, (0.0, segment.a), (1.0, segment.b), nearest, lambda s: value(s) < 0.0)
-        knots = [0.0, *islice(between, 1), 1.0]
-    except LostBranch:
-        knots = [0.0, 1.0]
-    met = (_met(segment, name, level, observer, *part) for part in pairwise(knots))
-    return [point for point in met if point is not None]
+    def kind(self, sample: Sample) -> PointType:
+        """A mark."""
+        return kind_of_test(self.segment.problem, Test.MARK)
 
+    def value(self, sample: Sample) -> float:
+        """What it is beyond the level."""
+        return self._observer.value(self._name, sample) - self._level
 
-def _rate(segment: Segment, name: str, observer: Observer, sample: Sample) -> float:
-    """Derivative of an observable along the branch; of a parameter, which is linear in the free one, too."""
-    if observer.line.second is not None or observer.place(name, 0.0) is None:
-        return segment.problem.observed.rate(name, sample)
-    ahead = observer.line.value(name, sample.parameter + float(sample.tangent[-1]))
-    return float(ahead or 0.0) - observer.value(name, sample)
+    def error(self, sample: Sample) -> float:
+        """Rounding."""
+        return EPSILON * (abs(self._observer.value(self._name, sample)) + abs(self._level))
 
+    def rate(self, sample: Sample) -> float:
+        """That of an observable; of a parameter, which is linear in the free one, too."""
+        observer, name = self._observer, self._name
+        if observer.line.second is not None or observer.place(name, 0.0) is None:
+            return self.segment.problem.observed.rate(name, sample)
+        ahead = observer.line.value(name, sample.parameter + float(sample.tangent[-1]))
+        return float(ahead or 0.0) - observer.value(name, sample)
 
-def _met(
-    segment: Segment, name: str, level: float, observer: Observer, low: float, high: float
-) -> Found | None:
-    """The point between two positions at which a value is met."""
+    def at_level(self, sample: Sample, level: float) -> Located | None:
+        """Where it is another value."""
+        return self._solved(self._level + level, sample)
 
-    def value(theta: float) -> float:
-        return observer.value(name, segment.at(theta)) - level
+    def crossing(self, low: float, high: float) -> Found | None:
+        """The point between two positions at which the value is met."""
+        # A value met exactly at the end of a segment belongs to that segment, not to the next one as well.
+        va, vb = (self.value(self.segment.at(theta)) for theta in (low, high))
+        if not (va * vb < 0.0 or (vb == 0.0 and va != 0.0)):
+            return None
+        try:
+            return super().crossing(low, high)
+        except LostBranch:
+            return None
 
-    # A value met exactly at the end of a segment belongs to that segment, not to the next one as well.
-    va, vb = value(low), value(high)
-    if not (va * vb < 0.0 or (vb == 0.0 and va != 0.0)):
-        return None
-
-    def attempt(theta: float, left: float, right: float) -> Found | None:
-        sample = segment.at(theta)
-        place = observer.place(name, level)
-        if place is not None and observer.line.second is None:
-            located = _parameter_at(segment, place, sample)
-        else:
-            located = segment.problem.observed.locate_mark(name, level, sample)
+    def located(self, near: Sample, low: float, high: float) -> Found | None:
+        """The point near a sample, if it lies between two positions."""
+        located = self._solved(self._level, near)
         if located is None:
             return None
-        position = segment.position(located.z)
-        slack = 1e-3 * (right - left) + 1e-12
-        if not left - slack <= position <= right + slack or not same_point(segment, located, position):
+        position, slack = self.segment.position(located.z), 1e-3 * (high - low) + 1e-12
+        outside = not low - slack <= position <= high + slack
+        if outside or not same_point(self.segment, located, position):
             return None
         settled = located.settled()
         if settled is None:
             return None
-        marked = kind_of_test(segment.problem, Test.MARK)
-        return Found(position, marked, settled, sample_at(segment, marked, settled, sample))
+        kind = self.kind(near)
+        return Found(position, kind, settled, sample_at(self.segment, kind, settled, near))
 
-    try:
-        found = narrow(value, low, high, va, vb, attempt) if vb != 0.0 else attempt(high, low, high)
-    except LostBranch:
-        return None
-    return None if found is None else replace(found, kind=observer.kind(name), mark=(name, level))
+    def _solved(self, level: float, near: Sample) -> Located | None:
+        """The solution near a sample at which the value is a level."""
+        place = self._observer.place(self._name, level)
+        if place is not None and self._observer.line.second is None:
+            return _parameter_at(self.segment, place, near)
+        return self.segment.problem.observed.locate_mark(self._name, level, near)
+
+
+def _levels(segment: Segment, name: str, level: float, observer: Observer) -> list[Found]:
+    """Where a value is met on a segment: between its ends, or twice, before and behind an extremum."""
+    own, knots, mark = Level(segment, name, level, observer), [0.0, 1.0], (name, level)
+    found: list[Found] = []
+    values = [own.value(end) for end in (segment.a, segment.b)]
+    if values[0] * values[1] > 0.0 and all(map(own.known, (segment.a, segment.b))):
+        try:
+            turn = extremum(own, (0.0, segment.a), (1.0, segment.b))
+            hidden = None if turn is None else decided(own, turn[0])
+        except (LostBranch, Disagreement):
+            turn = hidden = None
+        if hidden is None and turn is not None and turn[1]:
+            knots.insert(1, turn[0])
+        found += hidden or []
+    found += [point for part in pairwise(knots) if (point := own.crossing(*part)) is not None]
+    kind = observer.kind(name)
+    return [replace(point, kind=point.kind or kind, counted=False, mark=mark) for point in found]
 
 
 def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | None:
@@ -190,7 +210,7 @@ def _extrema(segment: Segment, name: str, low: float, high: float, observer: Obs
             rates[theta] = segment.problem.observed.rate(name, segment.at(theta))
         return rates[theta]
 
-    def decided(theta: float, left: float, right: float) -> float | None:
+    def found(theta: float, left: float, right: float) -> float | None:
         flat = abs(rates[theta]) <= FLAT * max(abs(rates[low]), abs(rates[high]))
         beside, ends = ([abs(rates[t]) for t in each] for each in ((left, right), (low, high)))
         steep = (high - low) * sum(beside) > STEEP * (right - left) * sum(ends)
@@ -208,7 +228,7 @@ def _extrema(segment: Segment, name: str, low: float, high: float, observer: Obs
         if first * last >= 0.0 or max(abs(first), abs(last)) <= STILL * value:
             return []
         if rates[high] != 0.0:
-            narrow(rate, low, high, first, last, decided)
+            narrow(rate, low, high, first, last, found)
         theta = min(rates, key=lambda t: abs(rates[t]))
         if abs(rates[theta]) > 1e-5 * min(abs(first), abs(last)):
             return []  # the rate jumps: a kink
@@ -216,7 +236,7 @@ def _extrema(segment: Segment, name: str, low: float, high: float, observer: Obs
     except LostBranch:
         return []
     sample = segment.at(theta)
-    finer = _on_finer_steps(segment, name, theta)
+    finer = _on_finest_steps(segment, name, theta)
     if finer is not None:
         error = max(error, FINER * abs(finer.parameter - sample.parameter))
         sample = finer
@@ -225,41 +245,20 @@ def _extrema(segment: Segment, name: str, low: float, high: float, observer: Obs
     return [Found(theta, kind, point, sample, kind="extremum", mark=(name, None))]
 
 
-def _on_finer_steps(segment: Segment, name: str, theta: float) -> Sample | None:
-    """The solution at the extremum of an observable on the finer steps of located points, near theta.
+def _on_finest_steps(segment: Segment, name: str, theta: float) -> Sample | None:
+    """The solution at the extremum of an observable on the finest steps, near theta.
 
     None where solutions are not discretised, or where it is not found.
     """
-    sample = segment.at(theta)
-    problem = refined(segment.problem, sample.z, segment.weights)
-    if problem is segment.problem:
-        return None
-    rates: dict[float, float] = {}
-    part: Segment | None = None
-    for width in (1e-3, 1e-2, 1e-1):
-        sides = max(theta - width, 0.0), min(theta + width, 1.0)
-        try:
-            part = Segment(problem, *(segment.on(problem, side) for side in sides))
-        except LostBranch:
-            return None
-        first, last = (problem.observed.rate(name, end) for end in (part.a, part.b))
-        if first * last < 0.0:
-            break
-    else:
-        return None
-
-    def rate(position: float) -> float:
-        rates[position] = problem.observed.rate(name, part.at(position))
-        return rates[position]
-
-    def flat(position: float, left: float, right: float) -> float | None:
-        return position if abs(rates[position]) <= FLAT * max(abs(first), abs(last)) else None
-
     try:
-        narrow(rate, 0.0, 1.0, first, last, flat, most=25)
-    except LostBranch:
+        finer = on_finest_steps(segment, theta, kind_of_test(segment.problem, Test.MARK))
+        if finer is None:
+            return None
+        part = finer.part
+        place = zero_of(lambda t: part.problem.observed.rate(name, part.at(t)), 0.0, 1.0)
+    except (LostBranch, Disagreement):
         return None
-    return part.at(min(rates, key=lambda position: abs(rates[position])))
+    return None if place is None else part.at(place)
 
 
 def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], float]) -> tuple[float, bool]:

@@ -16,6 +16,7 @@ from contwalk.continuation.locating import Disagreement, Found, passes_through, 
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
+from contwalk.numerics.bracketing import zero_of
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Problem, Sample, Test
 
@@ -113,16 +114,9 @@ def _comes_back(segment: Segment, origin: Sample) -> float | None:
     if not (passed and abs(a - value) > rounded) or (b - a) * origin.tangent[-1] < 0.0:
         return None
     try:
-        low, high, theta = 0.0, 1.0, (value - a) / (b - a)
-        for _ in range(40):
-            there = segment.at(theta)
-            if abs(there.parameter - value) <= rounded:
-                break
-            low, high = (theta, high) if (there.parameter - value) * (b - a) < 0.0 else (low, theta)
-            slope = there.tangent[-1] / float(segment.normal @ there.tangent)
-            theta += (value - there.parameter) / slope if slope else 0.0
-            theta = theta if low < theta < high else 0.5 * (low + high)
-        return float(theta) if segment.problem.equivalence.same(origin, there) else None
+        theta = 1.0 if b == value else zero_of(lambda t: segment.at(t).parameter - value, 0.0, 1.0)
+        back = theta is not None and segment.problem.equivalence.same(origin, segment.at(theta))
+        return theta if back else None
     except LostBranch:
         return None
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from contwalk.continuation.correction import Correction
 from contwalk.continuation.newton import correct
-from contwalk.numerics import cubic
 from contwalk.numerics.hermite_curve import HermiteCurve
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Problem, Sample
@@ -17,12 +15,8 @@ from contwalk.problems.problem import Linearization, Problem, Sample
 # Near a branch point solutions are known to rounding over their distance from it, and along a branch that
 # turns there eigenvalues move by its square: at this distance, in the metric, that is far more.
 APART = 1e-4
-# How often a part is halved: a cubic of values and rates at its ends is 16 times as good each time.
-HALVINGS = 6
 # A solution and its position on a segment.
 Placed = tuple[float, Sample]
-# What is asked of a solution.
-Function = Callable[[Sample], float]
 
 
 class LostBranch(Exception):
@@ -130,52 +124,3 @@ class Segment(HermiteCurve):
         known = self._known.get(theta)
         there = self._corrected(self.problem, self.guess(theta))[0].z if known is None else known.z
         return norm_in(there - z, self.weights) / max(self.length, 1e-300)
-
-
-def dip_between(
-    segment: Segment, low: Placed, high: Placed, value: Function, rate: Function, corner: bool = False
-) -> float | None:
-    """Where between two solutions a function that is positive at both may be least, as `dip` has it.
-
-    Its rate, by arclength, has a price: behind it is asked for only where the function falls before.
-    """
-    values, rates = [value(sample) for _, sample in (low, high)], list[float]()
-    if not min(values) > 0.0:
-        return None
-    for (_, sample), way in ((low, -1.0), (high, 1.0)):
-        rates.append((high[0] - low[0]) * segment.length * rate(sample))
-        if not way * rates[-1] > 0.0:
-            return None
-    return cubic.dip(values, rates, corner)
-
-
-def looked_for(
-    segment: Segment,
-    low: Placed,
-    high: Placed,
-    place: Callable[[Placed, Placed], float | None],
-    found: Callable[[Sample], bool],
-    halvings: int = HALVINGS,
-) -> Iterator[float]:
-    """Positions between two solutions at which something is `found`.
-
-    Parameters
-    ----------
-    place : callable
-        Where between two solutions it may be, in parts of what lies between them; None where it cannot be.
-
-    Raises
-    ------
-    LostBranch
-        If a solution there cannot be computed.
-    """
-    share = place(low, high) if halvings else None
-    if share is None:
-        return
-    theta = low[0] + share * (high[0] - low[0])
-    middle = theta, segment.at(theta)
-    if found(middle[1]):
-        yield theta
-        return
-    yield from looked_for(segment, low, middle, place, found, halvings - 1)
-    yield from looked_for(segment, middle, high, place, found, halvings - 1)

@@ -316,14 +316,18 @@ class _Search:
 def _counted_beyond(a: Sample, b: Sample) -> Sample:
     """The end of a step over a branch point, at which a real eigenvalue is not known to its own size.
 
-    Such ones count as at the neighbouring point; but one of them has passed, and its sign tells.
+    Such ones count as at the neighbouring point; but one of them has passed, and its sign tells. Where that
+    tells of none that has, as of a family's own one, which is rounding, it is the only count that is left.
     """
     if a.orientation * b.orientation >= 0.0 or a.unstable != b.unstable:
         return b
     real = b.eigenvalues[: len(b.measures)].imag == 0.0
     doubtful = real & (np.abs(b.measures) <= b.errors)
-    positive = np.count_nonzero(doubtful & (b.measures > 0.0))
-    counted = int(np.count_nonzero(b.measures > b.errors) + positive)
+    certain = int(np.count_nonzero(b.measures > b.errors))
+    counted = certain + int(np.count_nonzero(doubtful & (b.measures > 0.0)))
+    possible = {n for n in range(certain, certain + int(doubtful.sum()) + 1) if abs(n - a.unstable) == 1}
+    if counted not in possible and len(possible) == 1 and b.along:
+        counted = possible.pop()
     return b.varied(unstable=counted) if abs(counted - a.unstable) == 1 else b
 
 

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from made_up import line
 
-from contwalk.continuation.double_crossings import _suspects
+from contwalk.continuation.double_crossings import Measure
+from contwalk.continuation.indicator import extremum
+from contwalk.continuation.segment import Segment
 from contwalk.numerics.cubic import dip
 from contwalk.problems.sample import Rates, Sample
 
@@ -26,14 +28,22 @@ def test_where_there_may_be_a_corner_the_tangents_tell_how_near_it_is():
     assert dip([1.1, 1.1], [-2.0, 2.0], corner=True) == pytest.approx(0.5, abs=1e-15)
 
 
-def _told(measure: float, rate: float, asked: list[str], name: str) -> Sample:
+def _told(lam: float, measure: float, rate: float, asked: list[str], name: str) -> Sample:
     def told(which: int) -> float:
         asked.append(name)
         return rate
 
-    sample = line(lambda z: [-1.0]).sample((0.0, 0.0), (0.0, 1.0))
+    sample = line(lambda z: [-1.0]).sample((0.0, lam), (0.0, 1.0))
     measures = {"eigenvalues": np.array([measure + 0j]), "measures": np.array([measure])}
     return replace(sample, **measures, errors=np.zeros(1), rates=Rates(1, told))
+
+
+def _extremum(measures, rates, asked):
+    """What is told between two made-up ends of a segment that is one long."""
+    problem = line(lambda z: [-1.0])
+    ends = (_told(*each, asked, name) for *each, name in zip((0.0, 1.0), measures, rates, "ab", strict=True))
+    segment = Segment(problem, *ends)
+    return extremum(Measure(segment, 0), (0.0, segment.a), (1.0, segment.b))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -47,13 +57,11 @@ def _told(measure: float, rate: float, asked: list[str], name: str) -> Sample:
 )
 def test_one_rate_is_enough_where_a_measure_goes_one_way(sign, ends, rates, expected):
     asked = list[str]()
-    a, b = (_told(sign * m, sign * r, asked, n) for m, r, n in zip(ends, rates, "ab", strict=True))
-    assert list(_suspects(a, b, 1.0)) == []
+    assert _extremum([sign * m for m in ends], [sign * r for r in rates], asked) is None
     assert asked == expected
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("ends", [(1.0, 0.9), (0.9, 1.0)])
 def test_what_turns_near_zero_is_suspected_from_either_end(sign, ends):
-    a, b = (_told(sign * m, sign * r, [], "") for m, r in zip(ends, (-4.0, 4.0), strict=True))
-    assert list(_suspects(a, b, 1.0)) == [0]
+    assert _extremum([sign * m for m in ends], [sign * r for r in (-4.0, 4.0)], []) is not None

@@ -10,19 +10,33 @@ from typing import Any
 import numpy as np
 from pairs_form import FREE, Case, Crossing, Draw, fold_half
 
-from contwalk.system import Mode, Parameter, State, System
+from contwalk.system import Mode, Observable, Parameter, State, System
 
 Rates = Callable[[list[Any], Any], Sequence[Any]]
 
 
-def _case(draw: Draw, rates: Rates, y: Sequence[float], crossings: Sequence[Crossing], start: float) -> Case:
-    """The case of rates of the closed form's states, and of an equilibrium at the start."""
+def _case(
+    draw: Draw,
+    rates: Rates,
+    y: Sequence[float],
+    crossings: Sequence[Crossing],
+    start: float,
+    observed: Callable[[list[Any]], Any] | None = None,
+) -> Case:
+    """The case of rates of the closed form's states, and of an equilibrium at the start.
+
+    `observed` is the observable `value`, of the closed form's states.
+    """
     frame = draw.frame(len(y))
+    observables: tuple[Observable, ...] = ()
+    if observed is not None:
+        observables = (Observable("value", lambda t, x, p: observed(frame.inside(x[0]))),)
     system = System(
         "pairs",
         states=tuple(State(f"x{i}", scale=float(s)) for i, s in enumerate(frame.scales)),
         parameters=(Parameter(FREE, start),),
         modes=(Mode("only", frame.field(rates)),),
+        observables=observables,
     )
     place = frame.outside(y)
     return Case(draw.kind, draw.seed, system, place, start, draw.range, draw.distance, tuple(crossings))
@@ -167,6 +181,20 @@ def fold_beside_branch_point(draw: Draw) -> Case:
     return _case(draw, rates, y, found, draw.place(side * 0.1))
 
 
+def two_marked_values(draw: Draw) -> Case:
+    """An observable comes to a value that is marked, and leaves it again to the same side."""
+    dip, others = draw.dip(), _others(draw)
+    size = float(2.0 ** draw.rng.integers(-10, 11))
+
+    def rates(y: list[Any], lam: Any) -> list[Any]:
+        return [1.0 + dip(draw.part(lam)) - y[0], *(r * v for r, v in zip(others, y[1:], strict=True))]
+
+    start = draw.start
+    y = [1.0 + float(dip(draw.part(start))), *[0.0] * len(others)]
+    found = _case(draw, rates, y, draw.beside("UZ"), start, observed=lambda y: size * y[0])
+    return replace(found, options={"marks": {"value": [size]}})
+
+
 def fold_beside_hopf(draw: Draw) -> Case:
     """A parabola q = y^2, along which a pair passes at y = e, e^2 from its fold in q."""
     e = math.sqrt(draw.distance) * float(draw.sign)
@@ -196,6 +224,7 @@ EQUILIBRIA = {
     "LP LP": two_folds,
     "LP BP": fold_beside_branch_point,
     "LP HB": fold_beside_hopf,
+    "UZ UZ": two_marked_values,
 }
 # Those that may as well come as near and not cross.
-DIPS = ("BP BP", "HB HB", "HB HB of flutter", "LP LP")
+DIPS = ("BP BP", "HB HB", "HB HB of flutter", "LP LP", "UZ UZ")

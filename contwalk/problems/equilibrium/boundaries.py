@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.fields.kernel import Kernel
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.system import System, Transition
@@ -74,6 +75,10 @@ def margins(
     found, inputs = np.empty(len(boundaries)), problem.inputs(z)
     for which, boundary in enumerate(boundaries):
         value, gradient = problem.guard_kernels(boundary.name)
-        unit = float(np.abs(gradient(*inputs)) @ weights)
-        found[which] = boundary.side * float(value(*inputs)[0]) / (unit or 1.0)
+        found[which] = boundary.side * float(value(*inputs)[0]) / unit(gradient, inputs, weights)
     return found
+
+
+def unit(gradient: Kernel, inputs: tuple[list[float], ...], weights: np.ndarray) -> float:
+    """What weights of the metric, shape (N + 1,), change a guard by; one where that is nothing."""
+    return float(np.abs(gradient(*inputs)) @ weights) or 1.0

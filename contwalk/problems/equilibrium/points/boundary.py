@@ -8,7 +8,7 @@ from typing import Any
 from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium import defining_systems as defining
 from contwalk.problems.equilibrium.beyond_boundary import beyond
-from contwalk.problems.equilibrium.boundaries import boundaries_of
+from contwalk.problems.equilibrium.boundaries import boundaries_of, unit
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.problem import LimitType, Located, Sample, Seed, Test
 
@@ -25,8 +25,14 @@ class BoundaryEquilibrium(EquilibriumPoint, LimitType):
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The equilibrium near a sample at which a guard is zero; `which` is the boundary's number."""
-        kernels = problem.guard_kernels(boundaries_of(problem.system)[which].name)
-        return defining.observed(problem, sample, kernels, 0.0, limit=which)
+        return self.at_level(problem, sample, which, 0.0)
+
+    def at_level(self, problem: Any, sample: Sample, which: int, level: float) -> Located | None:
+        """Where the margin is a level, in its unit at the sample."""
+        boundary = boundaries_of(problem.system)[which]
+        kernels = problem.guard_kernels(boundary.name)
+        value = boundary.side * level * unit(kernels[1], problem.inputs(sample.z), sample.weights)
+        return defining.observed(problem, sample, kernels, value, limit=which)
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """Its kind, and a note that names the guard and what lies beyond."""
