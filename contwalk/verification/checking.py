@@ -1,4 +1,4 @@
-"""A database checked: special points, then ends, then rows, as far as a budget goes."""
+"""A database checked: ends, then special points, then rows, as far as a budget goes."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ Record = tuple[Branch, SpecialPoint | int]
 
 
 def records_of(branches: Sequence[Branch]) -> list[Record]:
-    """What is checked: special points and ends of all branches, then every tenth row of each in turn."""
+    """What is checked: ends and special points of all branches, then every tenth row of each in turn."""
     specials: list[Record] = [
         (b, point) for b in branches for point in b.special_points if point.label != END
     ]
     ends: list[Record] = [(b, point) for b in branches for point in b.special_points if point.label == END]
-    return [*specials, *ends, *_rows(branches)]
+    return [*ends, *specials, *_rows(branches)]
 
 
 def _rows(branches: Sequence[Branch]) -> Iterator[Record]:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.verification.equations import Equations, Evaluation
-from contwalk.verification.finding import CannotTell
+from contwalk.verification.finding import CannotTell, Contradiction
 from contwalk.verification.passage import TIGHT
 from contwalk.verification.solving import Condition, Sheet
 
@@ -155,7 +155,8 @@ def _critical_pair(values: np.ndarray, taken: list[int], unit: bool) -> list[int
         if i < j and abs((values[i] * values[j]).imag) <= 1e-6 * abs(values[i] * values[j]) + 1e-12
     ]
     if not pairs:
-        raise CannotTell("The record has no pair of eigenvalues.")
+        wrong = Contradiction if np.isfinite(values).all() else CannotTell
+        raise wrong("The record has no pair of eigenvalues.")
 
     def away(pair: tuple[int, int]) -> float:
         a, b = values[pair[0]], values[pair[1]]

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
+from contwalk.labels import LOCUS
 from contwalk.system import System
-from contwalk.verification.equations import Equations, Evaluation
+from contwalk.verification.equations import Equations
 from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, SLACK, CannotTell, Finding
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import COARSER, TIGHT
 from contwalk.verification.records import equations_of, of_orbits
-from contwalk.verification.rows import of_curve
 from contwalk.verification.solving import Sheet, solved
 
 # Ends at a limit that is a special point of its own.
@@ -77,42 +77,26 @@ def _bound(branch: Branch, end: SpecialPoint, ranges: Ranges) -> tuple[str, str]
 
 
 def _closed(system: System, branch: Branch) -> tuple[str, str]:
-    """Newton's method from the last row comes to the start, where nothing moves along the start's tangent."""
-    start, last = (
-        equations_of(system, branch, row) for row in (int(np.argmin(np.abs(branch["s"]))), len(branch) - 1)
-    )
+    """The last row is one step from the start, and Newton's method goes there, to the same solution."""
+    if branch.info.problem == LOCUS:
+        raise CannotTell("whether a curve in two parameters comes back is not recomputed")
+    first, end = int(np.argmin(np.abs(branch["s"]))), len(branch) - 1
+    ways = np.abs(np.diff(branch["s"]))
+    apart = (branch["free"][end] - branch["free"][first]) / branch.points["weights"][end][-1]
+    if len(ways) < 2 or not np.all(np.abs(apart) <= 2.0 * ways[-1]):
+        return DISAGREES, "its last row is far from its start"
+    start, last = equations_of(system, branch, first), equations_of(system, branch, end)
     if start.z.shape != last.z.shape:
         raise CannotTell("orbits at its two ends are not cut alike")
-    curve = Sheet(start, COARSER * TIGHT)
-    own = of_curve(branch, 0, start, curve)
-    begin = solved(curve, [*own, *_held(curve, start.z, len(own))])
-    tangent = _along(curve, begin.at, own)
-
-    def back(at: Evaluation) -> float:
-        return float(tangent @ ((at.z - begin.at.z) / start.sizes))
-
-    sheet = Sheet(last, COARSER * TIGHT)
-    found = solved(sheet, [*of_curve(branch, len(branch) - 1, last, sheet), back])
-    apart = np.abs(found.at.z - begin.at.z)
-    compared = np.ones(len(apart), dtype=bool)
+    curve, sheet = Sheet(start, COARSER * TIGHT), Sheet(last, COARSER * TIGHT)
+    normal = np.linalg.pinv(curve.along)[0]
+    begin = solved(curve, [lambda at: float(normal @ (at.z - start.z))])
+    found = solved(sheet, [lambda at: float(normal @ (at.z - start.z))])
+    differ, compared = np.abs(found.at.z - begin.at.z), np.ones(len(start.z), dtype=bool)
     if isinstance(start, OrbitEquations):  # the phase may be another one
         compared[: start.size - start.count - 1], compared[start.size - 1] = False, False
     level = SLACK * (found.error + begin.error) + TIGHT * start.sizes
-    return _told(
-        bool(np.all(apart[compared] <= level[compared])), "it comes back elsewhere than to its start"
-    )
-
-
-def _held(sheet: Sheet, z: np.ndarray, held: int) -> list:
-    normals = np.linalg.pinv(sheet.along)
-    return [lambda at: float(normals[0] @ (at.z - z))] if held + 1 == len(normals) else []
-
-
-def _along(sheet: Sheet, at: Evaluation, own: list) -> np.ndarray:
-    """The tangent of a branch, in units of the sizes."""
-    if not own:
-        return np.asarray(sheet.along[:, 0] / sheet.equations.sizes)
-    raise CannotTell("whether a curve in two parameters comes back is not recomputed")
+    return _told(bool(np.all((differ <= level)[compared])), "it comes back elsewhere than to its start")
 
 
 def _unbounded(branch: Branch, end: SpecialPoint) -> tuple[str, str]:

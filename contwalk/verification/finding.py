@@ -17,6 +17,10 @@ class CannotTell(ContwalkError):
     """Why a record is not recomputed."""
 
 
+class Contradiction(CannotTell):
+    """What a record says that cannot be, by its own words."""
+
+
 @dataclass(frozen=True)
 class Finding:
     """A stored record beside what is recomputed from its own words.

@@ -13,7 +13,15 @@ from contwalk.system import System
 from contwalk.verification.branching import Unfolded
 from contwalk.verification.conditions import BOTH, RESONANCES, spectral
 from contwalk.verification.equations import Equations
-from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, Finding
+from contwalk.verification.finding import (
+    AGREES,
+    CANNOT_TELL,
+    DISAGREES,
+    SLACK,
+    CannotTell,
+    Contradiction,
+    Finding,
+)
 from contwalk.verification.limits import KINDS, limit
 from contwalk.verification.marks import mark
 from contwalk.verification.orbit import OrbitEquations
@@ -21,6 +29,7 @@ from contwalk.verification.passage import COARSER, TIGHT
 from contwalk.verification.records import equations_of, free_of, of_orbits
 from contwalk.verification.rows import checked_row
 from contwalk.verification.solving import Condition, NotThere, Sheet, Solution, solved
+from contwalk.verification.words import told
 
 # A grazing orbit at something else as well.
 GRAZINGS = ("GRLP", "GRPD", "GRNS")
@@ -38,10 +47,10 @@ def checked_point(system: System, branch: Branch, point: SpecialPoint) -> Findin
     if point.label == MARK and point.kind == "parameter" and branch.info.problem != LOCUS:
         return _at_value(system, branch, point, begun)
     stored = free_of(branch, point)
-    told = np.array(
+    named = np.array(
         [point.parameters.get(name, value) for name, value in zip(branch.info.free, stored, strict=True)]
     )
-    if np.any(told != stored):
+    if np.any(named != stored):
         return replace(begun, verdict=DISAGREES, reason="its parameters and its unknowns are not the same")
     errors = np.array(
         [point.error if i == 0 else point.errors.get(name) for i, name in enumerate(branch.info.free)],
@@ -55,16 +64,21 @@ def checked_point(system: System, branch: Branch, point: SpecialPoint) -> Findin
         found = solved(sheet, conditions(sheet))
     except NotThere as failure:
         return _lost(begun, failure, len(failure.first) - len(stored), stored, errors)
-    except CannotTell as reason:
-        return replace(begun, reason=str(reason))
-    return _judged(begun, branch, point, found, equations.size, errors)
+    except CannotTell as why:
+        verdict = DISAGREES if isinstance(why, Contradiction) else CANNOT_TELL
+        return replace(begun, verdict=verdict, reason=str(why))
+    result = _judged(begun, branch, found, equations, errors)
+    if result.verdict == AGREES:
+        verdict, reason = told(branch, point, equations, found)
+        return replace(result, verdict=verdict, reason=reason)
+    return result
 
 
 def _at_value(system: System, branch: Branch, point: SpecialPoint, begun: Finding) -> Finding:
     """A marked value of the free parameter: that it has it, and the solution there as of any row."""
-    free, told = branch.info.free[0], point.mark
-    if told and told["name"] == free and told["value"] != point.parameters.get(free):
-        return replace(begun, verdict=DISAGREES, reason=f"{free} is not {told['value']:.10g} there")
+    free, marked = branch.info.free[0], point.mark
+    if marked and marked["name"] == free and marked["value"] != point.parameters.get(free):
+        return replace(begun, verdict=DISAGREES, reason=f"{free} is not {marked['value']:.10g} there")
     return replace(checked_row(system, branch, point.index)[0], record=point.name)
 
 
@@ -118,9 +132,10 @@ def _lost(begun: Finding, failure: NotThere, size: int, stored: np.ndarray, erro
 
 
 def _judged(
-    begun: Finding, branch: Branch, point: SpecialPoint, found: Solution, size: int, errors: np.ndarray
+    begun: Finding, branch: Branch, found: Solution, equations: Equations, errors: np.ndarray
 ) -> Finding:
     """Whether the parameters agree: by the one that is off by most."""
+    size = equations.size
     moved, own = np.abs(found.moved[size:]), found.error[size:]
     worst = int(np.argmax(moved / (errors + own)))
     value = float(found.at.z[size + worst])
@@ -134,9 +149,9 @@ def _judged(
         own_error=float(own[worst]),
     )
     # A smaller error than some roundings cannot be told from these: the second computation is in doubles.
-    told = max(result.stored_error, 4.0 * float(np.spacing(abs(value))))
+    least = max(result.stored_error, 4.0 * float(np.spacing(equations.sizes[size + worst])))
     if result.difference > SLACK * (result.stored_error + result.own_error):
         return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")
-    if SLACK * (result.stored_error + result.own_error) > MOVED * told:
+    if SLACK * (result.stored_error + result.own_error) > MOVED * least:
         return replace(result, reason=f"it is recomputed to {result.own_error:.1e} only")
     return replace(result, verdict=AGREES)

@@ -35,7 +35,7 @@ def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
         found = solved(sheet, _conditions(branch, row, equations, sheet))
     except CannotTell as reason:
         return [replace(begun, reason=str(reason))]
-    result = [_solution(begun, branch, row, equations, found)]
+    result = [_solution(begun, branch, row, equations, found, sheet.rounding(found.at))]
     if np.isfinite(found.at.matrix).all() and len(found.at.spectrum):
         result += [_leading(begun, branch, row, found), _stability(begun, branch, row, equations, found)]
     return result
@@ -64,14 +64,17 @@ def _conditions(branch: Branch, row: int, equations: Equations, sheet: Sheet) ->
     return [*own, lambda at: float(along @ (at.z - equations.z)[free])]
 
 
-def _solution(begun: Finding, branch: Branch, row: int, equations: Equations, found: Solution) -> Finding:
+def _solution(
+    begun: Finding, branch: Branch, row: int, equations: Equations, found: Solution, rounding: np.ndarray
+) -> Finding:
     """How far the solution is from its row, in the row's own metric."""
     at, k = branch.points[row], len(equations.free)
     weights = at["weights"][: len(branch.unknowns(row))]
     n = len(equations.first[0]) if isinstance(equations, OrbitEquations) else equations.rank
     scale = np.concatenate([weights[:n], weights[: -1 - k : -1]])
     moved = np.concatenate([found.moved[:n], found.moved[-k:]]) / scale
-    error = np.concatenate([found.error[:n], found.error[-k:]]) / scale
+    own = found.error + rounding
+    error = np.concatenate([own[:n], own[-k:]]) / scale
     result = replace(
         begun,
         stored=0.0,

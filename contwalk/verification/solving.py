@@ -69,6 +69,12 @@ class Sheet:
         self.left = left[:, :rank].T
         self.along = equations.sizes[:, None] * right[rank:].T
 
+    def rounding(self, at: Evaluation) -> np.ndarray:
+        """How far rounding of the equations carries their solution, shape (N + k,)."""
+        rows = np.vstack([self.left @ at.jacobian, np.linalg.pinv(self.along)])
+        level = np.abs(self.left) @ (np.abs(at.jacobian) @ np.abs(at.z))
+        return np.asarray(EPSILON * np.abs(np.linalg.inv(rows))[:, : len(level)] @ level)
+
     def square(self, at: Evaluation) -> np.ndarray:
         """The independent equations' derivatives by the unknowns, shape (N, N)."""
         return np.asarray(self.left @ at.jacobian[:, : self.equations.size])

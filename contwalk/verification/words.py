@@ -1,0 +1,105 @@
+"""What a special point says beside its place: its eigenvalues, counts, and which way what leaves it turns."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.branch import Branch, SpecialPoint
+from contwalk.labels import LOCUS
+from contwalk.verification.coefficients import lyapunov
+from contwalk.verification.conditions import RESONANCES
+from contwalk.verification.equations import Equations
+from contwalk.verification.equilibrium import EquilibriumEquations
+from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, SLACK
+from contwalk.verification.passage import EPSILON
+from contwalk.verification.solving import Solution
+
+# Multipliers of which no digit is known: what should be one, or the leading one, is off by a tenth.
+NO_DIGIT = 0.1
+# How many eigenvalues cross, and the coefficient whose sign tells the criticality, positive or negative.
+CROSSING = {"LP": 1, "HB": 2, "PD": 1, "NS": 2}
+SIGNS = {"HB": ("l1", -1.0), "PD": ("c", 1.0), "NS": ("d", -1.0)}
+
+
+def told(branch: Branch, point: SpecialPoint, equations: Equations, found: Solution) -> tuple[str, str]:
+    """A verdict and its reason on what a point says beside its place."""
+    located = branch.info.problem != LOCUS
+    if (located and point.label in CROSSING) or point.label in RESONANCES:
+        if reason := _meaningless(branch, point, found, equations.unit):
+            return CANNOT_TELL, reason
+        if reason := _spectrum(branch, point, found) or _counts(branch, point, found, equations.unit):
+            return DISAGREES, reason
+    known = located and point.criticality is not None and point.label in SIGNS
+    reason = _criticality(point, equations, found) if known else ""
+    return (DISAGREES, reason) if reason else (AGREES, "")
+
+
+def _meaningless(branch: Branch, point: SpecialPoint, found: Solution, unit: bool) -> str:
+    """Why multipliers say nothing: where those that are known are wrong, or none is known to a digit."""
+    if not unit or point.label == "LP":
+        return ""
+    row = branch.points[point.index]
+    trivial = max(
+        np.nan_to_num(float(point.trivial_error or 0.0)),
+        np.nan_to_num(row["trivial_error"]),
+        found.at.trivial,
+    )
+    if trivial > NO_DIGIT:
+        return f"the trivial multiplier is off by {trivial:.2g}, so that the others say nothing"
+    leading = max(abs(complex(row["spectrum"][0])), 1.0)
+    if row["spectrum_error"] > NO_DIGIT * leading:
+        return f"the leading multiplier is known to {row['spectrum_error']:.2g} only"
+    return ""
+
+
+def _spectrum(branch: Branch, point: SpecialPoint, found: Solution) -> str:
+    """Whether each stored eigenvalue is one that is recomputed; a double one is known to half the digits."""
+    own = found.at.spectrum
+    error = np.nan_to_num(float(branch.points["spectrum_error"][point.index]))
+    level = SLACK * (error + found.spread.max()) + EPSILON**0.25 * max(float(np.abs(own).max()), 1.0)
+    for value in point.spectrum:
+        if np.isfinite(value) and np.abs(own - value).min() > level:
+            return f"no eigenvalue or multiplier is {value:.6g} there"
+    omega = point.coefficients.get("omega")
+    if omega is not None and np.abs(np.abs(own.imag) - abs(omega)).min() > level:
+        return f"no pair swings with omega = {omega:.6g}"
+    return ""
+
+
+def _counts(branch: Branch, point: SpecialPoint, found: Solution, unit: bool) -> str:
+    """Whether as many directions are unstable on both sides as the other eigenvalues say."""
+    before, after, own = point.unstable_before, point.unstable_after, found.at.spectrum
+    if before is None or after is None or point.label not in CROSSING:
+        return ""
+    beyond = np.abs(own) - 1.0 if unit else own.real
+    critical = np.argsort(np.abs(beyond))[: CROSSING[point.label]]
+    others = np.delete(beyond, critical)
+    level = SLACK * np.delete(found.spread, critical) + EPSILON**0.5 * max(float(np.abs(own).max()), 1.0)
+    least, most = int(np.sum(others > level)), int(np.sum(others > -level))
+    changes = (CROSSING[point.label], 0) if point.label == "LP" else (CROSSING[point.label],)  # one may touch
+    if not least <= min(before, after) <= most or abs(after - before) not in changes:
+        return f"it says {before} to {after} unstable directions, and {least} are beside those that cross"
+    return ""
+
+
+def _criticality(point: SpecialPoint, equations: Equations, found: Solution) -> str:
+    """Whether the criticality is what the coefficient's sign says, and that one the equations' own."""
+    name, sign = SIGNS[point.label]
+    value = point.coefficients.get(name)
+    if value is None:
+        return ""
+    if (sign * float(value) > 0.0) != (point.criticality == "supercritical"):
+        return f"it says {point.criticality}, and its coefficient {name} is {float(value):.6g}"
+    if (
+        point.label != "HB"
+        or not isinstance(equations, EquilibriumEquations)
+        or "omega" not in point.coefficients
+    ):
+        return ""
+    if equations.info.settings.get("pins"):
+        return ""
+    own, error = lyapunov(equations, found.at.z, float(point.coefficients["omega"]))
+    claim = float(point.coefficients.get("l1_error", 0.0))
+    if abs(own - float(value)) > SLACK * (error + claim) + EPSILON**0.25 * abs(own):
+        return f"its l1 is {float(value):.6g}, and {own:.6g} by differences of its equations"
+    return ""
