@@ -8,6 +8,7 @@
 # make check  all tests, lint, format, types and import directions
 # make same   six studies beside what the last commit made of them (or REVISION=...): what differs, points, CPU
 # make noise  the six studies with noise in the last bits, by two seeds: nothing may differ but digits within errors
+# make trial  kills, full disks, damaged and hostile files, two writers: a quarter of them (SHARE=1: all), by a seed
 # make bench  what continuing costs, beside peers: docs/benchmarks.md
 # make docs   the picture and the table of modules in docs/, from the code
 #
@@ -22,7 +23,7 @@ BASE ?= main
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo quick near test slow long runs check same noise bench docs static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo quick near test slow long runs check same noise trial bench docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -84,6 +85,9 @@ same: install-dev
 noise: install-dev
 	$(BIN)/python -m tools.same --environment CONTWALK_NOISE=1 --counts 0.05
 	$(BIN)/python -m tools.same --environment CONTWALK_NOISE=2 --counts 0.05
+
+trial: install-test
+	$(BIN)/python -m tools.trial --share $(or $(SHARE),0.25) --seed $(or $(SEED),1)
 
 static: install-dev
 	$(BIN)/ruff check .

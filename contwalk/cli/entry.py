@@ -8,6 +8,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import Any
 
 import click
 
@@ -78,6 +79,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     int
         0; 1 where a computation failed; 2 for bad input; 130 after Ctrl-C, 143 after SIGTERM.
     """
+    sys.excepthook = sys.unraisablehook = _untold
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by whoever has called, as after >&-
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (to the end)
@@ -130,6 +132,19 @@ def run(arguments: Sequence[str] | None = None) -> int:
         cache = sys.modules.get("contwalk.object_cache")  # nobody else has a reason to load it
         if cache is not None and cache.refusal:
             say(f"note: {cache.refusal}")
+
+
+def _untold(*given: Any) -> None:
+    """What nobody catches is printed, but for what h5py prints where it lets go of a file that cannot be
+    written any more: the command tells that itself.
+    """
+    error = given[1] if len(given) > 1 else given[0].exc_value
+    if str(error).startswith("Can't decrement id ref count"):
+        return
+    if len(given) > 1:
+        sys.__excepthook__(*given)
+    else:
+        sys.__unraisablehook__(given[0])
 
 
 def say(text: str) -> None:

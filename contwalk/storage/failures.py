@@ -84,6 +84,8 @@ def explained(path: Path, purpose: str, error: Exception) -> DatabaseError:
     """The `DatabaseError` for an exception; h5py often gives the reason only in its text."""
     text = str(error)
     code = getattr(error, "errno", None)
+    if os.strerror(errno.EIO) in text:
+        text, code = os.strerror(errno.EIO), errno.EIO
     if code in _FULL or os.strerror(errno.ENOSPC) in text or f"errno = {errno.EDQUOT}" in text:
         return disk_full(path, purpose)
     if code in _NOT_LARGER or os.strerror(errno.EFBIG) in text:

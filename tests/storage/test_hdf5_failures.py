@@ -384,3 +384,12 @@ def test_the_limit_on_the_size_of_files_is_the_one_that_is_enforced(monkeypatch,
     """A process may raise it up to the hard one, but has not."""
     monkeypatch.setattr(resource, "getrlimit", lambda which: (soft, 5000))
     assert failures.largest_file() == most
+
+
+def test_a_broken_disk_is_told_in_few_words():
+    """HDF5 says it in a paragraph, and h5py again where it lets go of the file."""
+    text = (
+        "Disable slist failed (file write failed: errno = 5, error message = 'Input/output error', buf = 0x1)"
+    )
+    error = failures.explained(Path("x.h5"), "create", RuntimeError(text))
+    assert str(error) == "x.h5 cannot be created: Input/output error. Choose another output."
