@@ -8,19 +8,21 @@ record with what is known about it.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from contwalk import quantities, tables
+from contwalk.branch_point import SpecialPoints, StoredPoint
+from contwalk.branch_words import table_of_special_points, told_branch
 from contwalk.errors import ContwalkError
 from contwalk.labels import EVERY_MEANING
-from contwalk.signatures import is_iterated, told_problem
-from contwalk.special_point import SpecialPoint, told_sides
+from contwalk.signatures import is_iterated
+from contwalk.special_point import SpecialPoint
 
 LABELS = tuple(EVERY_MEANING)
 ORBITS = ("periodic_orbit", "hybrid_orbit")
@@ -153,7 +155,7 @@ class Branch:
 
     info: BranchInfo
     points: np.ndarray
-    special_points: list[SpecialPoint]
+    special_points: SpecialPoints
     outcome: Outcome
     cost: Mapping[str, float] = field(default_factory=lambda: {"seconds": 0.0, "rhs": 0})
     complete: bool = True
@@ -210,7 +212,27 @@ class Branch:
     def __len__(self) -> int:
         return len(self.points)
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __iter__(self) -> Iterator[StoredPoint]:
+        return (StoredPoint(self, row) for row in range(len(self)))
+
+    @overload
+    def __getitem__(self, name: str) -> np.ndarray: ...
+
+    @overload
+    def __getitem__(self, name: int) -> StoredPoint: ...
+
+    @overload
+    def __getitem__(self, name: slice) -> list[StoredPoint]: ...
+
+    def __getitem__(self, name: str | int | slice) -> np.ndarray | StoredPoint | list[StoredPoint]:
+        """An array by its name; the point in a row, counted from the end where negative; those of a slice."""
+        if isinstance(name, slice):
+            return [StoredPoint(self, row) for row in range(len(self))[name]]
+        if not isinstance(name, str):
+            return StoredPoint(self, range(len(self))[name])
+        return self._array(name)
+
+    def _array(self, name: str) -> np.ndarray:
         for column, known in (
             ("free", self.info.free),
             ("observables", self.info.observables),
@@ -317,11 +339,11 @@ def along(rows: np.ndarray) -> np.ndarray:
     return rows[np.lexsort((np.where(rows["s"] < 0.0, -met, met), rows["s"]))]
 
 
-def named(special_points: list[SpecialPoint], points: np.ndarray) -> list[SpecialPoint]:
+def named(special_points: list[SpecialPoint], points: np.ndarray) -> SpecialPoints:
     """Special points in their order along the branch, with names counted along it and their rows."""
     counts: Counter[str] = Counter()  # labels of a later version too
     taken: set[int] = set()
-    result = []
+    result = SpecialPoints()
     for point in sorted(special_points, key=lambda q: q.s):
         counts[point.label] += 1
         row = _row_of(point, points, taken)
@@ -338,60 +360,3 @@ def _row_of(point: SpecialPoint, points: np.ndarray, taken: set[int]) -> int:
     fitting = [i for i in range(low, high) if bool(points["special"][i]) == special]
     free = [i for i in fitting if i not in taken or not special]
     return (free or fitting or [low])[0]
-
-
-# -- in a line of text, and as tables for notebooks ----------------------------------------------------------
-
-
-def told_branch(branch: Branch) -> str:
-    """`b2: 64 points, periodic orbit, delta 0.003 to 0.006; PD1 UZ1; complete (bound)`."""
-    info, outcome, what = branch.info, branch.outcome, told_problem(branch.info.problem_by_name)
-    parts = [f"{info.name}: {len(branch)} point{'' if len(branch) == 1 else 's'}, {what}"]
-    if len(branch) and info.free:
-        values = branch[info.free[0]]
-        parts[0] += f", {info.free[0]} {values.min():.6g} to {values.max():.6g}"
-    parts.append(_names([point.name for point in branch.special_points]))
-    parts.append(f"{outcome.status} ({outcome.reason})")
-    return "; ".join(part for part in parts if part)
-
-
-def _names(names: Sequence[str], most: int = 8) -> str:
-    """Names of special points; the first ones of many."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return " ".join(names[:most]) + more
-
-
-def table_of_special_points(branch: Branch) -> tables.Table:
-    """The special points of a branch, one a row."""
-    free = branch.info.free[0] if branch.info.free else ""
-    rows = [["name", "what", free, "error", "criticality", "unstable"]]
-    for point in branch.special_points:
-        value = point.parameters.get(free, float(branch[free][point.index]) if free and len(branch) else None)
-        what = EVERY_MEANING.get(point.label, point.label) + (f" ({point.kind})" if point.kind else "")
-        rows.append(
-            [
-                point.name,
-                what if point.status == "located" else f"{what}, NOT LOCATED",
-                "" if value is None else f"{value:.12g}",
-                "" if point.error is None else f"{point.error:.1e}",
-                point.criticality or "",
-                told_sides(point, "\u2192"),
-            ]
-        )
-    return rows
-
-
-def table_of_branches(branches: Sequence[Branch]) -> tables.Table:
-    """Branches, one a row."""
-    rows = [["branch", "problem", "points", "range", "special points", "ended", "origin"]]
-    for branch in branches:
-        info, free = branch.info, branch.info.free[0] if branch.info.free else ""
-        span = ""
-        if free and len(branch):
-            span = f"{free} {branch[free].min():.6g} to {branch[free].max():.6g}"
-        names = _names([point.name for point in branch.special_points])
-        ended = f"{branch.outcome.status} ({branch.outcome.reason})"
-        rows.append(
-            [info.name, told_problem(info.problem_by_name), str(len(branch)), span, names, ended, info.origin]
-        )
-    return rows

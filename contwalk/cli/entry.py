@@ -23,6 +23,7 @@ _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT)
 INTERRUPTED, TERMINATED = 130, 143  # 128 + SIGINT, 128 + SIGTERM, as shells count
 
 _COMMANDS = {
+    "new": ("contwalk.cli.new_command", "Write a plugin and a run file that run as they are."),
     "import": ("contwalk.cli.import_command", "Make a plugin of a model that exists: .ode, .txt."),
     "init": ("contwalk.cli.init_command", "Write a commented run file for a system, to start from."),
     "continue": ("contwalk.cli.continue_command", "Compute the study that a run file describes."),

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk import tables
-from contwalk.branch import Branch, SpecialPoint, table_of_branches, told_branch
+from contwalk.branch import Branch, SpecialPoint
+from contwalk.branch_words import table_of_branches, told_branch
 from contwalk.equations.loading import PREFIX, is_equations
 from contwalk.errors import ContwalkError, StartError
 from contwalk.plugin_check.at_load import load_system

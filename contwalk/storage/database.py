@@ -20,8 +20,9 @@ from contwalk.branch import (
     along,
     named,
     narrowed,
-    table_of_branches,
 )
+from contwalk.branch_point import SpecialPoints
+from contwalk.branch_words import table_of_branches
 from contwalk.errors import DatabaseError
 from contwalk.storage.schema import is_branch_name
 from contwalk.system.declarations import nearest
@@ -205,7 +206,8 @@ def assemble(
     info, points = narrowed(info, along(rows))
     last = max(len(points) - 1, 0)
     # A special point behind the last row can only be the one whose row was torn: keep it on the branch.
-    special_points = [replace(point, index=min(point.index, last)) for point in named(list(specials), points)]
+    kept = named(list(specials), points)
+    special_points = SpecialPoints(replace(point, index=min(point.index, last)) for point in kept)
     if end is None:
         cost = {"seconds": float(rows["seconds"].sum()), "rhs": int(rows["rhs"].sum())}
         return Branch(info, points, special_points, RUNNING if running else INTERRUPTED, cost, complete=False)

@@ -1,0 +1,65 @@
+"""Branches in a line of text, and as tables for notebooks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from contwalk import tables
+from contwalk.labels import EVERY_MEANING
+from contwalk.signatures import told_problem
+from contwalk.special_point import told_sides
+
+
+def told_branch(branch: Any) -> str:
+    """`b2: 64 points, periodic orbit, delta 0.003 to 0.006; PD1 UZ1; complete (bound)`."""
+    info, outcome, what = branch.info, branch.outcome, told_problem(branch.info.problem_by_name)
+    parts = [f"{info.name}: {len(branch)} point{'' if len(branch) == 1 else 's'}, {what}"]
+    if len(branch) and info.free:
+        values = branch[info.free[0]]
+        parts[0] += f", {info.free[0]} {values.min():.6g} to {values.max():.6g}"
+    parts.append(_names([point.name for point in branch.special_points]))
+    parts.append(f"{outcome.status} ({outcome.reason})")
+    return "; ".join(part for part in parts if part)
+
+
+def _names(names: Sequence[str], most: int = 8) -> str:
+    """Names of special points; the first ones of many."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return " ".join(names[:most]) + more
+
+
+def table_of_special_points(branch: Any) -> tables.Table:
+    """The special points of a branch, one a row."""
+    free = branch.info.free[0] if branch.info.free else ""
+    rows = [["name", "what", free, "error", "criticality", "unstable"]]
+    for point in branch.special_points:
+        value = point.parameters.get(free, float(branch[free][point.index]) if free and len(branch) else None)
+        what = EVERY_MEANING.get(point.label, point.label) + (f" ({point.kind})" if point.kind else "")
+        rows.append(
+            [
+                point.name,
+                what if point.status == "located" else f"{what}, NOT LOCATED",
+                "" if value is None else f"{value:.12g}",
+                "" if point.error is None else f"{point.error:.1e}",
+                point.criticality or "",
+                told_sides(point, "\u2192"),
+            ]
+        )
+    return rows
+
+
+def table_of_branches(branches: Sequence[Any]) -> tables.Table:
+    """Branches, one a row."""
+    rows = [["branch", "problem", "points", "range", "special points", "ended", "origin"]]
+    for branch in branches:
+        info, free = branch.info, branch.info.free[0] if branch.info.free else ""
+        span = ""
+        if free and len(branch):
+            span = f"{free} {branch[free].min():.6g} to {branch[free].max():.6g}"
+        names = _names([point.name for point in branch.special_points])
+        ended = f"{branch.outcome.status} ({branch.outcome.reason})"
+        rows.append(
+            [info.name, told_problem(info.problem_by_name), str(len(branch)), span, names, ended, info.origin]
+        )
+    return rows
