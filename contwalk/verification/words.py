@@ -18,7 +18,7 @@ from contwalk.verification.solving import Solution
 NO_DIGIT = 0.1
 # How many eigenvalues cross, and the coefficient whose sign tells the criticality, positive or negative.
 CROSSING = {"LP": 1, "HB": 2, "PD": 1, "NS": 2}
-SIGNS = {"HB": ("l1", -1.0), "PD": ("c", 1.0), "NS": ("d", -1.0)}
+SIGNS = {"BP": ("c", -1.0), "HB": ("l1", -1.0), "PD": ("c", 1.0), "NS": ("d", -1.0)}
 
 
 def told(branch: Branch, point: SpecialPoint, equations: Equations, found: Solution) -> tuple[str, str]:

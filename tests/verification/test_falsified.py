@@ -111,7 +111,7 @@ def falsified(branch: Branch, point: SpecialPoint) -> dict[str, SpecialPoint]:
         before, after = point.unstable_before or 0, point.unstable_after or 0
         found["counts"] = replace(point, unstable_before=before + 1, unstable_after=after + 1)
         found["labelled LP"] = replace(point, label="LP", criticality=None, coefficients={})
-    if point.label in ("GR", "AZ"):
+    if "'ceiling'" in (point.note or ""):
         note = (point.note or "").replace("ceiling", "speed")
         found["another touch"] = replace(
             point, note=note, kind="speed" if point.kind == "ceiling" else point.kind
