@@ -189,7 +189,7 @@ def test_every_file_the_tutorial_on_cycles_names_is_there(orbits):
     assert len(names) >= 4
     for name in [*names, "cycle.png", "multipliers.png"]:
         assert (where / name).stat().st_size > 0
-    assert re.search(r"^(\d+) of \1 points agree", outputs["contwalk verify beats.h5 --trust"], re.MULTILINE)
+    assert re.search(r"^(\d+) of \1 numbers agree", outputs["contwalk verify beats.h5 --trust"], re.MULTILINE)
 
 
 def test_python_version_of_the_tutorial_on_cycles(orbits):
