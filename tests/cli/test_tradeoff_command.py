@@ -74,7 +74,7 @@ def test_table_recommendation_and_files(contwalk, following, folder):
     lines = done.out.splitlines()
     assert lines[0].split()[:3] == ["accuracy", "method", "CPU"]
     assert [line.split()[:2] for line in lines[1:3]] == [["0.0001", "auto"], ["1e-08", "auto"]]
-    assert "Truth: 1 point at accuracy 1e-10, recomputed by 40 digits" in done.out
+    assert "Truth: 1 point at accuracy 1e-10, recomputed by Newton" in done.out
     assert "met the accuracy of 1e-08" in done.out
     assert "Giving up 4 digits, from 1e-08 to 0.0001, " in done.out
     assert (folder / "fork_tradeoff.csv").exists()
