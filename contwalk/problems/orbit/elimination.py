@@ -18,16 +18,21 @@ from contwalk.flow.compiled.calling import doubles, inlined, integers
 
 
 @inlined
-def _at(matrix: int, width: int, i: int, first: int) -> int:
-    """Address of an entry. Parts of rows are counted from 0: loops over them become vector instructions."""
-    return matrix + 8 * (i * width + first)
+def _part(matrix: int, width: int, i: int, first: int, length: int) -> np.ndarray:
+    """Part of a row, counted from 0: loops over it become vector instructions."""
+    return doubles(matrix + 8 * (i * width + first), length)
+
+
+@inlined
+def _row(matrix: int, width: int, i: int) -> np.ndarray:
+    return _part(matrix, width, i, 0, width)
 
 
 @inlined
 def _scale(matrix: int, rows: int, width: int, weights: Any, scales: Any) -> None:
     """Columns in units of the unknowns; rows, but for those of zeros, to a largest entry of one."""
     for i in range(rows):
-        row, largest = doubles(_at(matrix, width, i, 0), width), 0.0
+        row, largest = _row(matrix, width, i), 0.0
         for j in range(width):
             row[j] *= weights[j]
         for j in range(width):
@@ -51,17 +56,9 @@ def _reduce(matrix: int, width: int, k: int, i: int, met: int, chain: int) -> No
     if multiple != 0.0:
         a[i * width + k] = multiple
         own, common = met - k - 1, width - chain
+        _subtract(_part(matrix, width, i, k + 1, own), multiple, _part(matrix, width, k, k + 1, own), own)
         _subtract(
-            doubles(_at(matrix, width, i, k + 1), own),
-            multiple,
-            doubles(_at(matrix, width, k, k + 1), own),
-            own,
-        )
-        _subtract(
-            doubles(_at(matrix, width, i, chain), common),
-            multiple,
-            doubles(_at(matrix, width, k, chain), common),
-            common,
+            _part(matrix, width, i, chain, common), multiple, _part(matrix, width, k, chain, common), common
         )
 
 
@@ -85,10 +82,7 @@ def eliminate(
             chosen[k] = best
             if best != k:
                 rest = width - k  # multiples stay where they are: they are applied between exchanges
-                one, other = (
-                    doubles(_at(matrix, width, k, k), rest),
-                    doubles(_at(matrix, width, best, k), rest),
-                )
+                one, other = _part(matrix, width, k, k, rest), _part(matrix, width, best, k, rest)
                 for j in range(rest):
                     one[j], other[j] = other[j], one[j]
                 sign = -sign
@@ -110,17 +104,14 @@ def forward(
     last, k = stage[3 * count - 2], 0
     for s in range(count):
         while k < stage[3 * s]:
-            source, other = (
-                doubles(_at(right, columns, k, 0), columns),
-                doubles(_at(right, columns, chosen[k], 0), columns),
-            )
+            source, other = _row(right, columns, k), _row(right, columns, chosen[k])
             if chosen[k] != k:
                 for j in range(columns):
                     source[j], other[j] = other[j], source[j]
             for i in range(k + 1, stage[3 * s + 1]):
-                _subtract(doubles(_at(right, columns, i, 0), columns), a[i * width + k], source, columns)
+                _subtract(_row(right, columns, i), a[i * width + k], source, columns)
             for i in range(last, rows):
-                _subtract(doubles(_at(right, columns, i, 0), columns), a[i * width + k], source, columns)
+                _subtract(_row(right, columns, i), a[i * width + k], source, columns)
             k += 1
     return 0
 
@@ -134,13 +125,13 @@ def forward_transposed(
     for s in range(count - 1, -1, -1):
         first = stage[3 * s - 3] if s > 0 else 0
         for k in range(stage[3 * s] - 1, first - 1, -1):
-            target = doubles(_at(right, columns, k, 0), columns)
+            target = _row(right, columns, k)
             for i in range(k + 1, stage[3 * s + 1]):
-                _subtract(target, a[i * width + k], doubles(_at(right, columns, i, 0), columns), columns)
+                _subtract(target, a[i * width + k], _row(right, columns, i), columns)
             for i in range(last, rows):
-                _subtract(target, a[i * width + k], doubles(_at(right, columns, i, 0), columns), columns)
+                _subtract(target, a[i * width + k], _row(right, columns, i), columns)
             if chosen[k] != k:
-                other = doubles(_at(right, columns, chosen[k], 0), columns)
+                other = _row(right, columns, chosen[k])
                 for j in range(columns):
                     target[j], other[j] = other[j], target[j]
     return 0
@@ -152,12 +143,9 @@ def backward(matrix: int, width: int, count: int, stages: int, right: int, colum
     for s in range(count - 1, -1, -1):
         first, met = stage[3 * s - 3] if s > 0 else 0, stage[3 * s + 2]
         for k in range(stage[3 * s] - 1, first - 1, -1):
-            target, row = (
-                doubles(_at(right, columns, k, 0), columns),
-                doubles(_at(matrix, width, k, 0), width),
-            )
+            target, row = _row(right, columns, k), _row(matrix, width, k)
             for j in range(k + 1, met):
-                _subtract(target, row[j], doubles(_at(right, columns, j, 0), columns), columns)
+                _subtract(target, row[j], _row(right, columns, j), columns)
             for c in range(columns):
                 target[c] /= row[k]
     return 0
@@ -169,13 +157,10 @@ def backward_transposed(matrix: int, width: int, count: int, stages: int, right:
     for s in range(count):
         met = stage[3 * s + 2]
         while k < stage[3 * s]:
-            source, row = (
-                doubles(_at(right, columns, k, 0), columns),
-                doubles(_at(matrix, width, k, 0), width),
-            )
+            source, row = _row(right, columns, k), _row(matrix, width, k)
             for c in range(columns):
                 source[c] /= row[k]
             for j in range(k + 1, met):
-                _subtract(doubles(_at(right, columns, j, 0), columns), row[j], source, columns)
+                _subtract(_row(right, columns, j), row[j], source, columns)
             k += 1
     return 0
