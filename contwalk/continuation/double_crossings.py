@@ -28,6 +28,10 @@ class Measure(Indicator):
 
     corner = True
 
+    def __init__(self, segment: Segment, which: int = 0) -> None:
+        super().__init__(segment, which)
+        self._flat = self.flat(segment.a)
+
     def kind(self, sample: Sample) -> PointType:
         """What a pair crosses, or a real eigenvalue where there is no fold."""
         problem = self.segment.problem
@@ -35,7 +39,7 @@ class Measure(Indicator):
 
     def value(self, sample: Sample) -> float:
         """How far it is beyond zero; where a real part is zero and turns a motion looks conservative."""
-        own = sample.measures if self.flat(self.segment.a) else sample.beyond(sample.eigenvalues)
+        own = sample.measures if self._flat else sample.beyond(sample.eigenvalues)
         return float(own[self.which])
 
     def error(self, sample: Sample) -> float:
@@ -170,10 +174,13 @@ def _touches(segment: Segment, which: int, theta: float) -> bool:
 
 
 def _same_side(a: Sample, b: Sample) -> Iterator[int]:
-    """Measures that are known to have the same sign at both ends."""
+    """Measures that are known to have the same sign at both ends, and may turn between."""
     ma, mb = a.measures, b.measures
     certain = (np.abs(ma) > a.errors) & (np.abs(mb) > b.errors)
-    for which in np.flatnonzero(certain & (np.sign(ma) == np.sign(mb))).tolist():
+    suspects = certain & (np.sign(ma) == np.sign(mb))
+    if a.rates.values is not None and b.rates.values is not None:
+        suspects &= (a.rates.values * ma < 0.0) & (b.rates.values * mb > 0.0)
+    for which in np.flatnonzero(suspects).tolist():
         ends = a.eigenvalues[which], b.eigenvalues[which]
         # One that passes both 1 and -1, or zero, is told by `_between_one_and_minus_one`.
         if not ends[0].imag == ends[1].imag == 0.0 or np.sign(ends[0].real) == np.sign(ends[1].real):

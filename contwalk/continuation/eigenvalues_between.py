@@ -105,7 +105,7 @@ def _followed(a: Sample, b: Sample, length: float) -> tuple[_End, _End] | None:
     """All eigenvalues at both ends; where rates have their price those that meet, as one end tells."""
     if a.still or b.still or not 2 <= len(a.eigenvalues) == len(b.eigenvalues):
         return None
-    if not a.rates.dear:
+    if a.rates.values is not None:
         every = np.arange(len(a.eigenvalues))
         ends = _end(a, every, length), _end(b, every, length)
     else:

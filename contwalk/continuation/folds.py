@@ -191,8 +191,8 @@ def counts_at(sample: Sample, located: bool = False, crossing: float = 0.0) -> r
     low, doubtful = int(np.count_nonzero((sample.measures > 0.0) & ~vanish)), int(np.count_nonzero(vanish))
     if crossing and not doubtful:
         return range(len(values) + 1)
-    if crossing and not sample.rates.dear:
-        moved = crossing * np.array([sample.rates[int(k)] for k in np.flatnonzero(vanish)])
+    if crossing and sample.rates.values is not None:
+        moved = crossing * sample.rates.values[vanish]
         moves = np.abs(moved) > rounding[vanish]
         low, doubtful = low + int(np.count_nonzero(moves & (moved > 0.0))), int(np.count_nonzero(~moves))
     return range(low, low + doubtful + 1)

@@ -127,13 +127,12 @@ def extremum(own: Indicator, low: Placed, high: Placed) -> tuple[float, bool] | 
     LostBranch
         If a solution there cannot be computed.
     """
-    sign = float(np.sign(own.value(low[1])))
-    ends = {theta: sign * own.value(sample) for theta, sample in (low, high)}
-    rates: dict[float, float] = {}
+    first, last = own.value(low[1]), own.value(high[1])
+    sign, rates = 1.0 if first > 0.0 else -1.0, dict[float, float]()
     # An extremum lies between where it goes towards zero at one end and away from it at the other. A rate has
     # a price, so the end is asked first at which it is less likely.
-    asked = [(*low, -1.0), (*high, 1.0)]
-    for theta, sample, way in asked if ends[low[0]] <= ends[high[0]] else asked[::-1]:
+    asked = ((low, -1.0), (high, 1.0)) if abs(first) <= abs(last) else ((high, 1.0), (low, -1.0))
+    for (theta, sample), way in asked:
         rates[theta] = sign * own.rate(sample)
         if not rates[theta] * way > 0.0:
             return None
@@ -164,6 +163,18 @@ def extremum(own: Indicator, low: Placed, high: Placed) -> tuple[float, bool] | 
         return None
     narrow(rate, low[0], high[0], rates[low[0]], rates[high[0]], attempt, width=np.sqrt(EPSILON))
     return None if place is None else (place, passes)
+
+
+def between(own: Indicator) -> tuple[list[Found], list[float]]:
+    """What errors hide of an extremum on a segment, at whose ends it has one sign; where it is beyond zero.
+
+    Raises
+    ------
+    Disagreement, LostBranch
+    """
+    found = extremum(own, (0.0, own.segment.a), (1.0, own.segment.b))
+    points = None if found is None else decided(own, found[0])
+    return points or [], [found[0]] if found is not None and points is None and found[1] else []
 
 
 def decided(own: Indicator, theta: float) -> list[Found] | None:

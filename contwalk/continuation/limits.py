@@ -15,8 +15,8 @@ from typing import Literal
 
 import numpy as np
 
-from contwalk.continuation.indicator import Indicator, decided, extremum
-from contwalk.continuation.locating import WELL_BEYOND, Disagreement, Found, accepted, known_to
+from contwalk.continuation.indicator import Indicator, between
+from contwalk.continuation.locating import WELL_BEYOND, Disagreement, Found, accepted
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
 from contwalk.numerics.linear import EPSILON, norm_in
@@ -52,8 +52,8 @@ class Margin(Indicator):
 
     def error(self, sample: Sample) -> float:
         """In units of what the metric's change it by, what the solutions are known to, and rounding."""
-        size = norm_in(sample.z, self.segment.weights)
-        return max(known_to(self.segment), float(np.nan_to_num(sample.error))) + EPSILON * size
+        known = max(self.segment.error, sample.error) if sample.error > 0.0 else self.segment.error
+        return known + EPSILON * norm_in(sample.z, self.segment.weights)
 
     def rate(self, sample: Sample) -> float:
         """By a place ahead; NaN where it has no value there.
@@ -85,9 +85,9 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     found: list[Found] = []
     lost: dict[int, LostBranch | Disagreement] = {}
     turning, hidden = _turning(segment, BORN if begins else ROUNDED)
-    changed = set(_changed(a.margins, b.margins, begins)) | set(turning)
+    changed = {*_changed(a.margins, b.margins, begins), *(k for k, turns in turning.items() if turns)}
     for which in sorted(changed, key=lambda k: limited.limits[k].rank):
-        knots = _knots(segment, which, begins, turning.get(which))
+        knots = _knots(segment, which, begins, turning.get(which, []))
         for (low, first), (high, last) in pairwise(knots):
             if (first > 0.0) == (last > 0.0):
                 continue
@@ -109,7 +109,7 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     return sorted([*found, *alone], key=lambda f: f.theta)
 
 
-def _turning(segment: Segment, least: float) -> tuple[dict[int, float], list[Found]]:
+def _turning(segment: Segment, least: float) -> tuple[dict[int, list[float]], list[Found]]:
     """Margins with one sign at both ends that have the other one at a place between, and these places.
 
     With them what is told of those that come as near to zero as they are known.
@@ -118,24 +118,18 @@ def _turning(segment: Segment, least: float) -> tuple[dict[int, float], list[Fou
     the step is long would have to change faster than anything that is watched.
     """
     a, b = segment.a.margins, segment.b.margins
-    places: dict[int, float] = {}
+    places: dict[int, list[float]] = {}
     hidden: list[Found] = []
     if len(a) != len(b):
         return places, hidden
     with np.errstate(invalid="ignore"):
         nearer = np.minimum(np.abs(a), np.abs(b))
-        near = np.flatnonzero((a * b > 0.0) & (nearer < segment.length) & (np.abs(a) > least))
+        known = max(least, Margin(segment).error(segment.a))
+        near = np.flatnonzero((a * b > 0.0) & (nearer < segment.length) & (nearer > known))
     for which in near.tolist():
         own = Margin(segment, which)
-        if nearer[which] <= own.error(segment.a):
-            continue
-        found = extremum(own, (0.0, segment.a), (1.0, segment.b))
-        if found is None:
-            continue
-        points = decided(own, found[0])
-        if points is None and found[1]:
-            places[which] = found[0]
-        for inside, point in enumerate(points or (), start=int(a[which] < 0.0)):
+        points, places[which] = between(own)
+        for inside, point in enumerate(points, start=int(a[which] < 0.0)):
             comes_back = inside % 2 == 1 and own.kind(point.sample).entered
             located = replace(point.located, limit=which)
             entered = comes_back or point.kind == "unlocated"
@@ -143,7 +137,7 @@ def _turning(segment: Segment, least: float) -> tuple[dict[int, float], list[Fou
     return places, hidden
 
 
-def _knots(segment: Segment, which: int, begins: bool, turn: float | None) -> list[tuple[float, float]]:
+def _knots(segment: Segment, which: int, begins: bool, turns: list[float]) -> list[tuple[float, float]]:
     """Places on a segment, and a margin at them, between which it passes zero once or not at all."""
     first, last = float(segment.a.margins[which]), float(segment.b.margins[which])
     if abs(first) <= (BORN if begins else ROUNDED) and last > 0.0:
@@ -154,8 +148,8 @@ def _knots(segment: Segment, which: int, begins: bool, turn: float | None) -> li
     low = 0.0
     if begins and abs(first) <= BORN:  # it starts at the limit, which is passed at once, or again later
         low, first = _beside(segment, which) if last < 0.0 else (0.0, ROUNDED)
-    between = [] if turn is None or turn <= low else [(turn, float(segment.at(turn).margins[which]))]
-    return [(low, first), *between, (1.0, last)]
+    beyond = [(turn, float(segment.at(turn).margins[which])) for turn in turns if turn > low]
+    return [(low, first), *beyond, (1.0, last)]
 
 
 def _changed(a: np.ndarray, b: np.ndarray, begins: bool) -> list[int]:

@@ -130,7 +130,7 @@ def accepted(
             return found
         settled = located.settled()
         # Finer steps may have led to another point than the one that was found on the segment's own.
-        reach = segment.length + WELL_BEYOND * known_to(segment)
+        reach = segment.length + WELL_BEYOND * segment.error
         if settled is None or norm_in(settled.z - located.z, segment.weights) > reach:
             return None
         return Found(inside, kind, settled, sample_at(segment, kind, settled, near))
@@ -164,19 +164,14 @@ def _on_branch(
     offset = 1e-2 if kind.test is Test.TOGETHER else max(1e-3 * width, 1e-7)
     if segment.problem.meshed is not None:
         # Solutions beside it are known the less, the weaker the nonlinearity that holds them.
-        known = max(SAME_POINT, WELL_BEYOND * known_to(segment))
+        known = max(SAME_POINT, WELL_BEYOND * segment.error)
         offset = max(offset, min(known / segment.length, FARTHEST))
     return passes_through(segment, located.z, tangent, theta, offset)
 
 
-def known_to(segment: Segment) -> float:
-    """The larger error of a segment's ends, in the metric; that of a branch point is not known."""
-    return float(np.max(np.nan_to_num([segment.a.error, segment.b.error], nan=0.0)))
-
-
 def _blurred(segment: Segment, most: float) -> float:
     """Part of a segment that its ends are known to, and at most so much: no place on it is known better."""
-    return min(known_to(segment) / segment.length, most)
+    return min(segment.error / segment.length, most)
 
 
 def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: float, offset: float) -> bool:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from contwalk import quantities
-from contwalk.continuation.indicator import FINER, Indicator, decided, extremum
+from contwalk.continuation.indicator import FINER, Indicator, between
 from contwalk.continuation.kinds import kind_of_test
 from contwalk.continuation.locating import Disagreement, Found, on_finest_steps, same_point, sample_at
 from contwalk.continuation.newton import correct
@@ -166,19 +167,13 @@ class Level(Indicator):
 
 def _levels(segment: Segment, name: str, level: float, observer: Observer) -> list[Found]:
     """Where a value is met on a segment: between its ends, or twice, before and behind an extremum."""
-    own, knots, mark = Level(segment, name, level, observer), [0.0, 1.0], (name, level)
-    found: list[Found] = []
+    own, mark = Level(segment, name, level, observer), (name, level)
+    found, turn = list[Found](), list[float]()
     values = [own.value(end) for end in (segment.a, segment.b)]
     if values[0] * values[1] > 0.0 and all(map(own.known, (segment.a, segment.b))):
-        try:
-            turn = extremum(own, (0.0, segment.a), (1.0, segment.b))
-            hidden = None if turn is None else decided(own, turn[0])
-        except (LostBranch, Disagreement):
-            turn = hidden = None
-        if hidden is None and turn is not None and turn[1]:
-            knots.insert(1, turn[0])
-        found += hidden or []
-    found += [point for part in pairwise(knots) if (point := own.crossing(*part)) is not None]
+        with suppress(LostBranch, Disagreement):
+            found, turn = between(own)
+    found += [point for part in pairwise((0.0, *turn, 1.0)) if (point := own.crossing(*part)) is not None]
     kind = observer.kind(name)
     return [replace(point, kind=point.kind or kind, counted=False, mark=mark) for point in found]
 

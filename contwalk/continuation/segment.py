@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -42,6 +44,11 @@ class Segment(HermiteCurve):
     def places(self) -> list[float]:
         """Positions of the solutions that are known already, in their order."""
         return sorted(self._known)
+
+    @cached_property
+    def error(self) -> float:
+        """The larger error of its ends, in the metric; that of a branch point is not known."""
+        return max((each.error for each in (self.a, self.b) if math.isfinite(each.error)), default=0.0)
 
     @property
     def vertical(self) -> bool:

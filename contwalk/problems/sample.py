@@ -33,8 +33,8 @@ class Rates:
         What all of them are multiplied by.
     of_values : callable, optional
         Derivatives of the eigenvalues of some numbers themselves, complex.
-    dear : bool
-        Whether each has its price.
+    values : ndarray, shape (count,), optional
+        All of them, where these are known already: else each has its price.
     """
 
     def __init__(
@@ -43,16 +43,16 @@ class Rates:
         rate: Callable[[int], float],
         factor: float = 1.0,
         of_values: Callable[[np.ndarray], np.ndarray] | None = None,
-        dear: bool = True,
+        values: np.ndarray | None = None,
     ) -> None:
         self._count, self._rate, self._factor, self._of_values = count, rate, factor, of_values
-        self.dear = dear
+        self.values = values
 
     @classmethod
     def known(cls, values: np.ndarray, of_values: np.ndarray | None = None) -> Rates:
         """Rates that are known already, of measures and of eigenvalues, each of shape (count,)."""
         known = None if of_values is None else of_values.__getitem__
-        return cls(len(values), values.tolist().__getitem__, of_values=known, dear=False)
+        return cls(len(values), values.tolist().__getitem__, of_values=known, values=values)
 
     def of_values(self, which: np.ndarray) -> np.ndarray | None:
         """Derivatives by arclength of the eigenvalues `which`, shape (k,); None where none are known."""
@@ -68,7 +68,8 @@ class Rates:
 
     def scaled(self, factor: float) -> Rates:
         """Rates by another arclength."""
-        return Rates(self._count, self._rate, self._factor * factor, self._of_values, self.dear)
+        values = None if self.values is None else factor * self.values
+        return Rates(self._count, self._rate, self._factor * factor, self._of_values, values)
 
 
 @dataclass(frozen=True)
