@@ -69,6 +69,8 @@ class Switching:
         self.program, self.graph = program, program.graph
         self.choices = choices_of(program)
         self.unknowns, self._time = list(moving), time
+        # What has been told of thin layers, by all choices before, in and behind them.
+        self.layers: dict[bytes, float] = {}
 
     def sides(self, inputs: Inputs) -> np.ndarray:
         """What each choice is at some inputs, shape (.., choices); NaN where it is undefined."""

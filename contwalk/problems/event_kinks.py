@@ -15,7 +15,7 @@ import numpy as np
 
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.kink import EventKink, JumpThroughZero, Kink, Met, SteepKink
-from contwalk.problems.kinks import JUMPS, PARTS, Course, differ, directions, located
+from contwalk.problems.kinks import JUMPS, PARTS, Course, directions, located, straight
 
 # A state this near to a jump, against its size, is on it: on which side is left to rounding.
 ON = 1e-9
@@ -62,13 +62,12 @@ class EndMap:
 
 def between(event: EndMap, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
     """What jumps between two places, in their order."""
-    course = _straight(event, a, b, np.array([0.0, 1.0]))
-    if not np.any(differ(*course.sides(course.times, course.states))):
+    given = event.switching, lambda _, places: event.evaluate(places), a, b, lambda before, after: ""
+    if not np.any(straight(*given).changes()):
         return ()
-    course = _straight(event, a, b, np.linspace(0.0, 1.0, PARTS + 1))
-    sides = course.sides(course.times, course.states)
+    course = straight(*given, PARTS)
     found = []
-    for k in np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1)).tolist():
+    for k in np.flatnonzero(np.any(course.changes(), axis=1)).tolist():
         low, high = located(course, k)
         kink = _steep(event, course, low, high) or _told(event, course.at(np.array([low, high])))
         if kink is not None:
@@ -94,18 +93,6 @@ def through_zero(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     level = np.max(np.abs([*one[:2], *other[:2]]), axis=0)
     apart = np.abs(one[0] - other[0]) > JUMPS[0] * level
     return np.asarray(apart & (one[0] * other[0] <= 0.0))
-
-
-def _straight(event: EndMap, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> Course:
-    """The way from a to b, looked at as a motion is."""
-
-    def at(shares: np.ndarray) -> np.ndarray:
-        return a + shares[:, None] * (b - a)
-
-    def evaluate(_: np.ndarray, places: np.ndarray) -> Inputs:
-        return event.evaluate(places)
-
-    return Course(event.switching, evaluate, shares, at(shares), at, lambda before, after: "")
 
 
 def _steep(event: EndMap, course: Course, low: float, high: float) -> SteepKink | None:

@@ -17,10 +17,15 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.switching import Inputs, Switching
+from contwalk.numerics.linear import EPSILON
 from contwalk.problems.kink import REMEDY, FieldKink, Met
 
 # Parts that an interval is looked at in, and how often, to find where a choice changes in it.
 PARTS, PASSES = 64, 5
+# How wide a layer is, in parts of what is left of an interval of samples, at most.
+WIDTHS = np.geomspace(EPSILON, 1.0, PARTS)
+# So many times what a rounding changes is more than rounding.
+KNOWN = 16.0
 # A jump below this part of the field, and of its first and second derivatives, is rounding or meant as none.
 JUMPS = (1e-6, 1e-6, 1e-5)
 # How far to either side of an equilibrium that lies on a kink, against its size.
@@ -101,12 +106,16 @@ class Course:
         found = self.switching.sides(self.evaluate(times, states))
         return np.broadcast_to(found, (len(times), found.shape[-1]))
 
+    def changes(self) -> np.ndarray:
+        """Which choices change from one sample to the next, shape (k - 1, choices)."""
+        sides = self.sides(self.times, self.states)
+        return differ(sides[:-1], sides[1:])
+
 
 def along(course: Course) -> tuple[FieldKink, ...]:
     """The kinks of a motion."""
-    sides = course.sides(course.times, course.states)
-    crossed = np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1))
-    return tuple(dict.fromkeys(_kinks(course, *_located(course, crossed)))) if len(crossed) else ()
+    low, high = _crossed(course)
+    return tuple(dict.fromkeys(_kinks(course, low, high)))
 
 
 def bends(course: Course) -> np.ndarray:
@@ -114,14 +123,8 @@ def bends(course: Course) -> np.ndarray:
 
     None of one that meets a jump of the field at an instant that depends on it: nothing is right there.
     """
-    sides = course.sides(course.times, course.states)
-    apart = differ(sides[:-1], sides[1:])
-    crossed = np.flatnonzero(np.any(apart, axis=1))
-    if not len(crossed):
-        return np.zeros(0)
-    low, high = _located(course, crossed)
-    jumps = course.switching.jumps(np.flatnonzero(np.any(apart, axis=0)).tolist())
-    if jumps and any(kink.refused for kink in _kinks(course, low, high)):
+    low, high = _crossed(course)
+    if any(kink.refused for kink in _kinks(course, low, high)):
         return np.zeros(0)
     return 0.5 * (low + high)[_inside(course, low, high)]
 
@@ -142,9 +145,62 @@ def located(course: Course, k: int) -> tuple[float, float]:
     return float(low[0]), float(high[0])
 
 
-def _located(course: Course, intervals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """As `located`, in several intervals of samples at once, in their order."""
+def _crossed(course: Course) -> tuple[np.ndarray, np.ndarray]:
+    """Instants right beside each other between which choices change, shapes (c,).
+
+    In one interval of samples it is the first of them that is passed.
+    """
+    changed = course.changes()
+    crossed = np.flatnonzero(np.any(changed, axis=1))
+    if not len(crossed):
+        return np.zeros(0), np.zeros(0)
+    low, high = _located(course, crossed)
+    first = differ(*(course.sides(times, course.at(times)) for times in (low, high)))
+    suspect = ~np.any(first & changed[crossed], axis=1)
+    places = zip(suspect, crossed.tolist(), low.tolist(), high.tolist(), strict=True)
+    kept = np.array([not (odd and _is_layer(course, *place)) for odd, *place in places])
+    return low[kept], high[kept]
+
+
+def _is_layer(course: Course, k: int, low: float, high: float) -> bool:
+    """Whether a choice that changes in an interval of samples does so for a layer so thin that it is nothing.
+
+    A formula that is 0/0 at a place has another one beside it, and is the same on both sides.
+    """
+    end = float(course.times[k + 1])
+    times = np.array([course.times[k], low, *(high + (end - high) * WIDTHS)])
+    states = course.at(times)
+    sides = course.sides(times, states)
+    known, key = course.switching.layers, sides[[0, 2, -1]].tobytes()
+    if key not in known:
+        known[key] = _bearable(course, *(course.evaluate(times[[n]], states[[n]]) for n in (0, 1, 2, -1)))
+    out = times[2 + int(np.argmin(np.any(differ(sides[2:], sides[-1:]), axis=1)))]
+    return bool(out - low <= known[key] * (course.times[-1] - course.times[0]))
+
+
+def _bearable(course: Course, before: Inputs, beside: Inputs, within: Inputs, after: Inputs) -> float:
+    """The largest part of a motion that a layer is nothing on: what differs in it counts by that part.
+
+    Zero where the field is not the same before and after it. What differs by no more than what it is one
+    rounding further on is rounding.
+    """
+    switching, along_ = course.switching, directions(course.switching, before, course.sizes)
+    one, other = switching.beside_each(before, before, after, along_, 1)
+    moved = {name: value * (1.0 + EPSILON) for name, value in beside.items()}
+    pieces, again = (switching.beside_each(at, beside, within, along_, 1)[:, 0] for at in (beside, moved))
+    if not (np.array_equal(one, other) and np.all(np.isfinite(pieces))):
+        return 0.0
+    apart = np.abs(pieces[0] - pieces[1]) - KNOWN * np.abs(again - pieces).sum(axis=0)
+    level = np.maximum(course.level, np.abs(pieces[:, 1]).max(axis=0))
+    worst = float(np.max(apart / (np.array(JUMPS)[:, None] * np.maximum(level, np.finfo(float).tiny))))
+    return 1.0 / worst if worst > 0.0 else np.inf
+
+
+def _located(course: Course, intervals: np.ndarray, backwards: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """As `located`, in several intervals of samples at once, in their order; `backwards` from their ends."""
     low, high = course.times[intervals], course.times[intervals + 1]
+    if backwards:
+        low, high = high, low
     every = np.arange(len(intervals))
     for _ in range(PASSES):
         times = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, PARTS + 1)
@@ -194,11 +250,8 @@ def passed(
     """The kinks on the straight way between two solutions, shape (N + 1,), in their order; `evaluate` as of
     `between`.
     """
-    course = _straight(switching, evaluate, *ends, where)
-    crossed = np.flatnonzero(np.any(differ(*course.sides(course.times, course.states))))
-    if not len(crossed):
-        return ()
-    low, high = _located(course, crossed)
+    course = straight(switching, evaluate, *ends, where)
+    low, high = _crossed(course)
     return tuple(Met(kink, float(low[0])) for kink in _kinks(course, low, high))
 
 
@@ -210,15 +263,15 @@ def lying(
     return tuple(met.kink for met in passed(switching, evaluate, (at - aside, at + aside), where))
 
 
-def _straight(
-    switching: Switching, evaluate: Evaluate, begin: np.ndarray, end: np.ndarray, where: Where
+def straight(
+    switching: Switching, evaluate: Evaluate, begin: np.ndarray, end: np.ndarray, where: Where, parts: int = 1
 ) -> Course:
-    """The straight way between two solutions, its parts in place of instants."""
+    """The straight way between two places, shape (n,), its parts in place of instants."""
 
     def at(shares: np.ndarray) -> np.ndarray:
         return begin + shares[:, None] * (end - begin)
 
-    shares = np.array([0.0, 1.0])
+    shares = np.linspace(0.0, 1.0, parts + 1)
     return Course(switching, evaluate, shares, at(shares), at, where)
 
 

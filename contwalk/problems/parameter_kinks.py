@@ -15,7 +15,7 @@ import numpy as np
 from contwalk.fields.parameter_switching import ParameterSwitching
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.kink import Met, ParameterKink
-from contwalk.problems.kinks import PARTS, Course, differ, directions, jumping, located
+from contwalk.problems.kinks import PARTS, Course, directions, jumping, located
 
 # Groups of inputs that no solution of a branch changes: parameters that are fixed, or where a path begins.
 CONSTANT = ("b", "d", "p")
@@ -68,9 +68,8 @@ def passed(course: Course, way: Way) -> tuple[Met, ...]:
     if not choices.choices:
         return ()
     straight = _straight(course, choices, way)
-    sides = straight.sides(straight.times, straight.states)
     found = []
-    for k in np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1)).tolist():
+    for k in np.flatnonzero(np.any(straight.changes(), axis=1)).tolist():
         low, high = located(straight, k)
         jump = _lowest(course, choices, way, low, high)
         if jump is not None:

@@ -91,6 +91,31 @@ def test_orbits_that_reach_a_jump_on_the_way_end_before_it(tmp_path):
     assert (branch["stable"] == 1).all()
 
 
+RATIO = "0.1 * ({u} / (np.exp({u}) - 1.0) if abs({u}) > {width} else 1.0 - 0.5 * ({u}))"
+
+
+@pytest.mark.parametrize("width", [1e-4, 1e-6, 1e-9])
+def test_another_formula_where_one_is_nought_over_nought_is_no_kink(tmp_path, width):
+    """x / (exp x - 1): beside zero its derivatives are rounding, and the motion is there for no time."""
+    branch, told = orbits(tmp_path, RATIO.format(u="(x[0] - 0.2)", width=width))
+    assert branch.outcome.status != "failed"
+    assert told == []
+
+
+def test_a_layer_that_the_motion_is_in_for_a_while_is_told(tmp_path):
+    branch, _ = orbits(tmp_path, "(5.0 if abs(x[0]) < 1e-3 else 0.0)")
+    assert branch.outcome.reason == "plugin_error"
+    assert f"{LINE} (a comparison)" in branch.outcome.message
+
+
+def test_equilibria_pass_another_formula_for_nought_over_nought(tmp_path):
+    plugin = STILL.format(term=RATIO.format(u="x[0]", width=1e-6))
+    run = "start: {state: {y: -1.0}}\ncontinue: {parameter: a, range: [-1.0, 1.0]}\n"
+    branch, told = study(tmp_path, plugin, run, figures=False)
+    assert branch.outcome.status == "complete"
+    assert told == []
+
+
 @pytest.mark.drawn(3)
 @pytest.mark.parametrize(
     ("term", "what", "means"),
