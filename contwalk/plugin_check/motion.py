@@ -65,6 +65,9 @@ class Seen:
     carried : dict
         For each transition that leads back to its mode, and each other one out of it that acts, at how many
         events the reset carries that one's guard through zero, and how many events there were.
+    entered : dict
+        For each transition into another mode, and each one out of that which acts, at how many events it
+        leads there with that one's guard past zero and going on, and how many events there were.
     lost : dict
         For each transition what is said of motions after which no guard can be met; empty of others.
     gone_on : set
@@ -81,6 +84,7 @@ class Seen:
     events: dict[str, list[tuple[float, np.ndarray]]] = field(default_factory=dict)
     ends: dict[str, list[tuple[str, str | None, str]]] = field(default_factory=dict)
     carried: dict[tuple[str, str], list[int]] = field(default_factory=dict)
+    entered: dict[tuple[str, str], list[int]] = field(default_factory=dict)
     lost: dict[str, list[str]] = field(default_factory=dict)
     gone_on: set[str] = field(default_factory=set)
     segments: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
@@ -111,6 +115,7 @@ class Seen:
             part = sizes[-1] / max(np.nanmax(sizes, initial=0.0), 1e-300)
             found.setdefault(segment.transition, []).append(float(part))
         self._note_carried(flow, segment)
+        self._note_entered(machine, flow, segment)
 
     def _note_carried(self, flow: ModeFlow, segment: MotionSegment) -> None:
         """Note guards of other transitions that an event's reset carries through zero in their direction."""
@@ -130,6 +135,21 @@ class Seen:
             met[1] += 1
             way = guard.direction or -np.sign(before)
             met[0] += way * before < -ROUNDINGS * noise and way * after > ROUNDINGS * later
+
+    def _note_entered(self, machine: HybridMachine, flow: ModeFlow, segment: MotionSegment) -> None:
+        """Note guards that are past zero, and go on, where an event leads into another mode: none happens."""
+        happening = next(t for t in flow.transitions if t.name == segment.transition)
+        if happening.target == flow.name or segment.after is None or not np.isfinite(segment.after).all():
+            return
+        target, t = machine.mode(happening.target), segment.times[-1:]
+        for number, other in enumerate(target.transitions):
+            guard = target.guards[number]
+            if not (target.acting(number) and guard.direction) or other.at_entry:
+                continue
+            value, rate, noise = guard.along(t, segment.after[None, target.states], target.p)[0].tolist()
+            met = self.entered.setdefault((happening.name, other.name), [0, 0])
+            met[1] += 1
+            met[0] += guard.direction * value > ROUNDINGS * noise and guard.direction * rate > 0.0
 
 
 def check_motions(
@@ -214,6 +234,9 @@ def _tell(report: Report, system: System, seen: Seen) -> None:
     for (name, other), (count, events) in seen.carried.items():
         if count:
             _tell_of_carried(report, system, name, other, f"{count} of {events}")
+    for (name, other), (count, events) in seen.entered.items():
+        if count > OFTEN * events:  # a few sampled motions may be none of the machine's
+            _tell_of_entered(report, system, name, other, f"{count} of {events}")
     _tell_of_ends(report, system, seen)
     met = {name: len(events) for name, events in seen.events.items()}
     if len(report.findings) > before:
@@ -274,6 +297,19 @@ def _tell_of_carried(report: Report, system: System, name: str, other: str, shar
         f"At {share} of its events in sample motions it carries the guard of '{other}' past zero: that has "
         "not passed zero, and its event happens only where it has come back. Declare level=True for "
         f"'{other}' where it should follow at once, as a neuron that a pulse brings beyond its threshold.",
+        place_of(transition.reset or transition.guard),
+    )
+
+
+def _tell_of_entered(report: Report, system: System, name: str, other: str, share: str) -> None:
+    """A mode that is entered with a guard past zero stays until that has come back."""
+    transition = system.transition(name, system.sources(name)[0])
+    report.warning(
+        f"transition '{name}'",
+        f"At {share} of its events in sample motions mode '{transition.target}' is entered with the guard of "
+        f"'{other}' past zero and going on: that does not pass zero, and '{other}' does not happen. Declare "
+        f"level=True for '{other}' where it should follow at once, as a mass that does not stick where the "
+        "load is larger than friction holds.",
         place_of(transition.reset or transition.guard),
     )
 

@@ -47,6 +47,36 @@ SYSTEM = System("cam", states=(State("y"), State("v")), parameters=(), modes=(Mo
     transitions=(Transition("hit", "flight", "flight", gap, "falling", reset=hit),),
     period=lambda p: 2.0 * math.pi / 14.0)
 """
+BELT = """\
+import numpy as np
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def slides(sign):
+    def field(t, x, p, dx):
+        dx[0] = x[1]
+        dx[1] = -x[0] - 0.4 * sign + np.cos(0.7 * t)
+    return field
+
+def sticks(t, x, p, dx):
+    dx[0] = 0.2
+    dx[1] = 0.0 * x[1]
+
+def load(t, x):
+    return x[0] - np.cos(0.7 * t)
+
+def held(t, x, p, after):
+    after[0] = x[0]
+    after[1] = 0.2
+
+SYSTEM = System("belt", states=(State("x"), State("v")), parameters=(),
+    modes=(Mode("slow", slides(-1.0)), Mode("fast", slides(1.0)), Mode("stick", sticks)),
+    transitions=(
+        Transition("rises", "slow", "stick", lambda t, x, p: x[1] - 0.2, "rising", reset=held),
+        Transition("falls", "fast", "stick", lambda t, x, p: x[1] - 0.2, "falling", reset=held),
+        Transition("back", "stick", "slow", lambda t, x, p: 0.5 - load(t, x), "falling"LEVEL),
+        Transition("on", "stick", "fast", lambda t, x, p: 0.5 + load(t, x), "falling"LEVEL),
+    ), period=lambda p: 2.0 * np.pi / 0.7)
+"""
 
 
 def findings(folder, source):
@@ -65,6 +95,15 @@ def test_a_pulse_that_carries_another_guard_past_zero_is_told(tmp_path, pulse, t
     places = sorted((each.level, each.line) for each in carried)
     assert places == [("warning", 7), ("warning", 11)][: len(told)]
     assert all("Declare level=True for" in each.sentence for each in carried)
+
+
+@pytest.mark.parametrize(("level", "told"), [("", True), (", level=True", False)])
+def test_a_mode_that_is_entered_with_a_guard_past_zero_is_told(tmp_path, level, told):
+    """A mass on a belt comes to rest on it where the load is larger than friction holds."""
+    found = findings(tmp_path, BELT.replace("LEVEL", level))
+    entered = [each for each in found if "mode 'stick' is entered with the guard of" in each.sentence]
+    assert bool(entered) == told
+    assert all(each.level == "warning" and "Declare level=True for" in each.sentence for each in entered)
 
 
 def test_guards_of_impacts_that_accumulate_do_not_jump(tmp_path):
