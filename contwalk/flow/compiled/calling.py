@@ -23,9 +23,12 @@ _TYPES = {"d": types.float64, "q": types.int64, "v": types.void}
 _KINDS = {"d": "double", "q": "i64"}
 
 
-def inlined(function: Callable[..., Any]) -> Any:
-    """A part of a compiled entry: no bounds are checked, divisions by zero give infinities."""
-    options: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "_nrt": False}
+def inlined(function: Callable[..., Any], inline: str = "never") -> Any:
+    """A part of a compiled entry: no bounds are checked, divisions by zero give infinities.
+
+    Where it is `inline` "always" numba puts its text in place of a call: only then may it return an array.
+    """
+    options: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "_nrt": False, "inline": inline}
     return numba.njit(**options)(function)
 
 

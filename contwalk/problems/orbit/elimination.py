@@ -10,6 +10,7 @@ that its rows meet.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,13 +18,13 @@ import numpy as np
 from contwalk.flow.compiled.calling import doubles, inlined, integers
 
 
-@inlined
+@partial(inlined, inline="always")
 def _part(matrix: int, width: int, i: int, first: int, length: int) -> np.ndarray:
     """Part of a row, counted from 0: loops over it become vector instructions."""
     return doubles(matrix + 8 * (i * width + first), length)
 
 
-@inlined
+@partial(inlined, inline="always")
 def _row(matrix: int, width: int, i: int) -> np.ndarray:
     return _part(matrix, width, i, 0, width)
 
