@@ -25,6 +25,8 @@ from contwalk.problems.problem import Limit, LimitType, Located, Problem, Sample
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
 BORN, ROUNDED = 1e-7, 1e-10
+# A margin that is told as so large has no instant.
+NONE = 1.0
 # Across a bracket this narrow a margin that still changes by this part of what it is jumps; so does one that
 # changes by this much across the narrowest.
 NARROW, JUMPS = 1e-3, 0.05
@@ -115,7 +117,8 @@ def _turning(segment: Segment, least: float) -> tuple[dict[int, list[float]], li
     With them what is told of those that come as near to zero as they are known.
 
     One that is at zero where the segment begins, by as much as `least`, leaves it. One that is larger than
-    the step is long would have to change faster than anything that is watched.
+    the step is long would have to change faster than anything that is watched, and one that is as large as
+    they are told has no instant there.
     """
     a, b = segment.a.margins, segment.b.margins
     places: dict[int, list[float]] = {}
@@ -125,7 +128,8 @@ def _turning(segment: Segment, least: float) -> tuple[dict[int, list[float]], li
     with np.errstate(invalid="ignore"):
         nearer = np.minimum(np.abs(a), np.abs(b))
         known = max(least, Margin(segment).error(segment.a))
-        near = np.flatnonzero((a * b > 0.0) & (nearer < segment.length) & (nearer > known))
+        near = (a * b > 0.0) & (nearer < segment.length) & (nearer > known)
+        near = np.flatnonzero(near & (np.maximum(np.abs(a), np.abs(b)) < NONE))
     for which in near.tolist():
         own = Margin(segment, which)
         points, places[which] = between(own)
@@ -229,7 +233,7 @@ def _located(
     def attempt(theta: float, left: float, right: float) -> Found | Literal["jumps"] | None:
         nonlocal tried
         # Beyond one, there is no such instant, or it is far from the limit.
-        if abs(around[theta]) < 1.0 and right - left < 0.2 * tried:
+        if abs(around[theta]) < NONE and right - left < 0.2 * tried:
             tried = right - left
             found = accepted(segment, kind, segment.at(theta), which, left, right, known)
             if found is not None:
@@ -239,7 +243,7 @@ def _located(
         jumps = right - left < NARROW and change > max(JUMPS * max(abs(first), abs(last)), 2.0 * ROUNDED)
         return "jumps" if jumps else None
 
-    if max(abs(first), abs(last)) < 1.0:
+    if max(abs(first), abs(last)) < NONE:
         # Most margins are nearly straight between two solutions: where that puts the limit is near enough for
         # its own equations, without a solution there.
         theta = low + (high - low) * first / (first - last)
