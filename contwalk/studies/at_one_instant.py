@@ -83,9 +83,10 @@ def differing(machine: HybridMachine, t: float, x: np.ndarray, mode: str, scale:
 
     x is the state of shape (n,) before the first of them, `scale` the magnitudes of the states.
     """
-    first, *others = results(machine, t, x, mode, scale, room(t), declared=True)
-    if not first.order:
+    found = results(machine, t, x, mode, scale, room(t), declared=True)
+    if not found or not found[0].order:  # none where they follow each other without end
         return ""
+    first, *others = found
     other = next((each for each in others if not each.same(first, scale)), None)
     if other is None:
         return ""

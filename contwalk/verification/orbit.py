@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import BranchInfo
+from contwalk.errors import called
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 from contwalk.verification.equations import Equations, Evaluation, pin_rows, without
@@ -84,7 +85,8 @@ class OrbitEquations(Equations):
 
     def _period(self, free: np.ndarray) -> float:
         assert self.functions.system.period is not None
-        return float(self.functions.system.period(ParameterValues(**self.functions.parameters.by_name(free))))
+        values = ParameterValues(**self.functions.parameters.by_name(free))
+        return float(called("period", self.functions.system.period, values))
 
     def settle(self, relative: float, most: float = 1e2) -> None:
         """Cut legs on which deviations grow, at states of a first motion; see how large the states are.

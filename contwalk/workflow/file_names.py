@@ -7,12 +7,14 @@ from pathlib import Path
 from contwalk.errors import DatabaseError
 
 SUFFIX = ".h5"
-# What files are that end like this: databases are none of them.
+_READ = "a run file or a plugin"
+# What files are that end like this: databases are none of them. Those that a run reads are known by other
+# means, and refused as what they are.
 _OTHERS = {
     "a picture": (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".gif"),
     "a film or a page": (".mp4", ".html"),
     "a table": (".csv", ".json"),
-    "a run file or a plugin": (".yaml", ".yml", ".py"),
+    _READ: (".yaml", ".yml", ".py"),
 }
 
 
@@ -29,7 +31,7 @@ def output_of(path: str | Path, *asked: str | None) -> Path:
     if output.name in ("", ".."):
         raise DatabaseError(f"{output} is a directory.", "Name a file in it, such as run.h5.")
     for what, ends in _OTHERS.items():
-        if output.suffix.lower() in ends:
+        if output.suffix.lower() in ends and not (output.exists() and what == _READ):
             raise DatabaseError(
                 f"The output {output} would be a database with the name of {what}.",
                 f"Name it {output.with_suffix(SUFFIX).name}; figures and tables go beside it.",

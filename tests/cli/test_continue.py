@@ -61,15 +61,17 @@ def test_an_output_that_is_no_name_of_a_file(contwalk, command, output):
     assert f"error: {output} is a directory. Name a file in it, such as run.h5." in done.err
 
 
-def test_a_database_that_is_in_the_current_directory_is_told(contwalk, folder):
-    """Runs write to the current directory; names in run files are relative to the file."""
+def test_a_database_that_is_in_the_current_directory_is_found(contwalk, folder):
+    """Runs write to the current directory; names in run files are relative to the file, and else to that."""
     (folder / "runs").mkdir()
     for name in ("run.yaml", "fork.py"):
         shutil.copy(folder / name, folder / "runs")
     assert contwalk("continue", "runs/run.yaml", "--quiet").code == 0
-    done = contwalk("continue", "runs/run.yaml", "--set", "start={from: fork.h5, point: b1/0}")
+    again = ("continue", "runs/run.yaml", "--quiet", "--set", "start={from: fork.h5, point: b1/0}")
+    done = contwalk(*again)
     assert done.code == 2
-    assert f"One of this name is in the current directory: {folder / 'fork.h5'}." in done.err
+    assert "key output: 'fork.h5' is the database that a start is taken from." in done.err
+    assert contwalk(*again, "--output", "other.h5").code == 0
 
 
 def test_output_that_exists(contwalk, folder):
