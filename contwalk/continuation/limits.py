@@ -19,14 +19,12 @@ from contwalk.continuation.indicator import Indicator, between
 from contwalk.continuation.locating import WELL_BEYOND, Disagreement, Found, accepted
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
-from contwalk.numerics.linear import EPSILON, norm_in
+from contwalk.numerics.linear import EPSILON
 from contwalk.problems.problem import Limit, LimitType, Located, Problem, Sample
 
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
 BORN, ROUNDED = 1e-7, 1e-10
-# A margin that is told as so large has no instant.
-NONE = 1.0
 # Across a bracket this narrow a margin that still changes by this part of what it is jumps; so does one that
 # changes by this much across the narrowest.
 NARROW, JUMPS = 1e-3, 0.05
@@ -55,7 +53,7 @@ class Margin(Indicator):
     def error(self, sample: Sample) -> float:
         """In units of what the metric's change it by, what the solutions are known to, and rounding."""
         known = max(self.segment.error, sample.error) if sample.error > 0.0 else self.segment.error
-        return known + EPSILON * norm_in(sample.z, self.segment.weights)
+        return known + EPSILON * self.segment.size
 
     def rate(self, sample: Sample) -> float:
         """By a place ahead; NaN where it has no value there.
@@ -129,7 +127,7 @@ def _turning(segment: Segment, least: float) -> tuple[dict[int, list[float]], li
         nearer = np.minimum(np.abs(a), np.abs(b))
         known = max(least, Margin(segment).error(segment.a))
         near = (a * b > 0.0) & (nearer < segment.length) & (nearer > known)
-        near = np.flatnonzero(near & (np.maximum(np.abs(a), np.abs(b)) < NONE))
+        near = np.flatnonzero(near & (np.maximum(np.abs(a), np.abs(b)) < 1.0))
     for which in near.tolist():
         own = Margin(segment, which)
         points, places[which] = between(own)
@@ -233,7 +231,7 @@ def _located(
     def attempt(theta: float, left: float, right: float) -> Found | Literal["jumps"] | None:
         nonlocal tried
         # Beyond one, there is no such instant, or it is far from the limit.
-        if abs(around[theta]) < NONE and right - left < 0.2 * tried:
+        if abs(around[theta]) < 1.0 and right - left < 0.2 * tried:
             tried = right - left
             found = accepted(segment, kind, segment.at(theta), which, left, right, known)
             if found is not None:
@@ -243,7 +241,7 @@ def _located(
         jumps = right - left < NARROW and change > max(JUMPS * max(abs(first), abs(last)), 2.0 * ROUNDED)
         return "jumps" if jumps else None
 
-    if max(abs(first), abs(last)) < NONE:
+    if max(abs(first), abs(last)) < 1.0:
         # Most margins are nearly straight between two solutions: where that puts the limit is near enough for
         # its own equations, without a solution there.
         theta = low + (high - low) * first / (first - last)

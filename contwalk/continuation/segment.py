@@ -50,6 +50,11 @@ class Segment(HermiteCurve):
         """The larger error of its ends, in the metric; that of a branch point is not known."""
         return max((each.error for each in (self.a, self.b) if math.isfinite(each.error)), default=0.0)
 
+    @cached_property
+    def size(self) -> float:
+        """Of the solution at its beginning, in the metric."""
+        return norm_in(self.a.z, self.weights)
+
     @property
     def vertical(self) -> bool:
         """Whether the parameter stands still all along the segment."""

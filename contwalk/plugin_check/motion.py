@@ -235,7 +235,7 @@ def _tell(report: Report, system: System, seen: Seen) -> None:
         if count:
             _tell_of_carried(report, system, name, other, f"{count} of {events}")
     for (name, other), (count, events) in seen.entered.items():
-        if count > OFTEN * events:  # a few sampled motions may be none of the machine's
+        if count > max(OFTEN * events, 1):  # a few sampled motions may be none of the machine's
             _tell_of_entered(report, system, name, other, f"{count} of {events}")
     _tell_of_ends(report, system, seen)
     met = {name: len(events) for name, events in seen.events.items()}
