@@ -13,7 +13,7 @@ from contwalk.numerics.linear import EPSILON
 from contwalk.plugin_check.events import Happening
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.motion import MOST_STARTS
-from contwalk.plugin_check.orders import orders_told, results
+from contwalk.plugin_check.orders import conflict, orders_told, results
 from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.states_at_event import ITERATIONS
 from contwalk.system import System, Transition
@@ -48,12 +48,12 @@ def _check(
         at = _on_both(flow, pair, t, x, scale)
         if at is None:
             continue
-        first, *others = results(machine, t, at, one.source, scale, 0.0, declared=True)
-        if len(first.order) < 2:
+        found = results(machine, t, at, one.source, scale, 0.0, declared=True)
+        if not found or len(found[0].order) < 2:
             continue
         met += 1
-        apart = next((each for each in others if not each.same(first, scale)), None)
-        told = told or ("" if apart is None else orders_told(system, t, first, apart, scale))
+        apart = conflict(found, scale)
+        told = told or ("" if apart is None else orders_told(system, t, *apart, scale))
     what, names = f"transitions '{one.name}' and '{other.name}'", {one.name, other.name}
     declared = names <= {name for each in system.transitions for name in each.together}
     if told:

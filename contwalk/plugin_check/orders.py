@@ -11,7 +11,7 @@ from contwalk.flow.hybrid.chatter import MOST_AT_ONCE
 from contwalk.flow.hybrid.guard_status import PASSED, guard_statuses, happens_at_once
 from contwalk.flow.hybrid.machine import HybridMachine, displaced, landed
 from contwalk.flow.hybrid.saltation import saltation
-from contwalk.numerics.linear import EPSILON
+from contwalk.numerics.linear import EPSILON, SMALLEST
 from contwalk.problems.hybrid.adjacent.orbit import CHANGES
 from contwalk.signatures import folded
 from contwalk.system import System
@@ -88,7 +88,7 @@ def results(
     list of Result
         Of orders that lead to one state, and through which deviations go alike, one.
     """
-    speed = displaced(machine.mode(mode), t, x) / (EPSILON * max(abs(t), np.finfo(float).tiny))
+    speed = displaced(machine.mode(mode), t, x) / (EPSILON * max(abs(t), SMALLEST))
     begun = Result((), mode, np.asarray(x, dtype=float), EPSILON * np.abs(x) + room * speed, np.eye(len(x)))
     found: list[Result] = []
     level = [begun]
@@ -143,6 +143,14 @@ def _further(
             (*at.shifts, shift @ at.matrix[own]),
             passed | {codes[i]},
         )
+
+
+def conflict(found: list[Result], scale: np.ndarray) -> tuple[Result, Result] | None:
+    """The first of some results, and one that differs from it; `scale` has the shape (n,).
+
+    None where all are the same, and where there is none: transitions follow each other without end.
+    """
+    return next(((found[0], each) for each in found[1:] if not each.same(found[0], scale)), None)
 
 
 def orders_told(system: System, t: float, one: Result, other: Result, scale: np.ndarray) -> str:

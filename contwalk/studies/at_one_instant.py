@@ -18,7 +18,7 @@ from contwalk.diagram import not_begun
 from contwalk.flow.events.jump_instants import room
 from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
 from contwalk.numerics.linear import EPSILON
-from contwalk.plugin_check.orders import orders_told, remedy, results
+from contwalk.plugin_check.orders import conflict, orders_told, remedy, results
 from contwalk.problems.hybrid.adjacent.orbit import assembled, starts_and_durations
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.rotated import rotated
@@ -59,15 +59,15 @@ def joined(problem: HybridOrbit, sample: Sample) -> tuple[HybridOrbit, np.ndarra
     for i in firsts:
         t, view = float(times[i] + lasting[i]), problem.pieces_of(z, i)[-1]
         given = machine, t, view.full(view.end), view.piece.passage.leg.mode, scale, ROUNDED * total
-        first, *others = results(*given, declared=True)
-        if not first.order:
+        found = results(*given, declared=True)
+        if not found or not found[0].order:
             return None
-        apart = [each for each in others if not each.same(first, scale)]
-        if apart:
-            sentence = orders_told(problem.system, t, first, apart[0], scale)
+        if apart := conflict(found, scale):
+            sentence = orders_told(problem.system, t, *apart, scale)
             return not_begun.refused(
-                sentence, f"{remedy(first, apart[0])} Or begin where they come one after the other."
+                sentence, f"{remedy(*apart)} Or begin where they come one after the other."
             )
+        first = found[0]
         if first.stays_together(scale) or len(results(*given, declared=False)) == 1:
             continue
         for k in range(i + 1, i + len(first.order)):
@@ -83,15 +83,11 @@ def differing(machine: HybridMachine, t: float, x: np.ndarray, mode: str, scale:
 
     x is the state of shape (n,) before the first of them, `scale` the magnitudes of the states.
     """
-    found = results(machine, t, x, mode, scale, room(t), declared=True)
-    if not found or not found[0].order:  # none where they follow each other without end
+    found = conflict(results(machine, t, x, mode, scale, room(t), declared=True), scale)
+    if found is None:
         return ""
-    first, *others = found
-    other = next((each for each in others if not each.same(first, scale)), None)
-    if other is None:
-        return ""
-    sentence = orders_told(machine.system, t, first, other, scale)
-    return f"{sentence} The one declared first has acted first. {remedy(first, other)}"
+    sentence = orders_told(machine.system, t, *found, scale)
+    return f"{sentence} The one declared first has acted first. {remedy(*found)}"
 
 
 def sentence_on(problem: HybridOrbit) -> str:
