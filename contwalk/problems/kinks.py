@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.switching import Inputs, Switching
-from contwalk.numerics.linear import EPSILON
+from contwalk.numerics.linear import EPSILON, SMALLEST
 from contwalk.problems.kink import REMEDY, FieldKink, Met
 
 # Parts that an interval is looked at in, and how often, to find where a choice changes in it.
@@ -192,7 +192,7 @@ def _bearable(course: Course, before: Inputs, beside: Inputs, within: Inputs, af
         return 0.0
     apart = np.abs(pieces[0] - pieces[1]) - KNOWN * np.abs(again - pieces).sum(axis=0)
     level = np.maximum(course.level, np.abs(pieces[:, 1]).max(axis=0))
-    worst = float(np.max(apart / (np.array(JUMPS)[:, None] * np.maximum(level, np.finfo(float).tiny))))
+    worst = float(np.max(apart / (np.array(JUMPS)[:, None] * np.maximum(level, SMALLEST))))
     return 1.0 / worst if worst > 0.0 else np.inf
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.numerics.linear import SMALLEST
 from contwalk.verification.equations import Equations, Evaluation
 from contwalk.verification.finding import CannotTell
 from contwalk.verification.passage import COARSER, EPSILON, TIGHT
@@ -131,7 +132,7 @@ def _newton(
         onto, values = sheet.towards(at), _values(conditions, at)
         if before is not None and size > ROUGH:  # shorter steps would teach rounding
             moved, gained = before
-            square = max(float(moved @ moved), np.finfo(float).tiny)
+            square = max(float(moved @ moved), SMALLEST)
             slopes = slopes + np.outer(values - gained - slopes @ moved, moved) / square
         whole = onto - sheet.along @ np.linalg.lstsq(slopes, values, rcond=None)[0]
         first = first if np.isfinite(first[0]) else whole

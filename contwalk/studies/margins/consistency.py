@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow, applied
+from contwalk.numerics.linear import SMALLEST
 from contwalk.system import System, Transition
 
 HALVINGS = 60  # of a push, until it puts a guard to zero
@@ -229,7 +230,7 @@ def _arriving(
     steps = STEP * np.maximum(np.abs(zero), size)
     apart = [guard(t, zero + step, flow.p) - guard(t, zero - step, flow.p) for step in np.diag(steps)]
     across, along = (np.array(apart)[:, :2] / (2.0 * steps[:, None])).T
-    along -= across * (along @ across) / max(float(across @ across), np.finfo(float).tiny)
+    along -= across * (along @ across) / max(float(across @ across), SMALLEST)
     steepness = float(np.linalg.norm(along))
     if not steepness > STEP * abs(rate) / size:
         return None

@@ -12,6 +12,7 @@ from contwalk.errors import ContwalkError
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.flow.hybrid.motion_events import TIME_UP, MotionEvents, Standpoint
 from contwalk.flow.hybrid.motion_segment import Control
+from contwalk.numerics.linear import SMALLEST
 from contwalk.studies.margins.consistency import placed
 from contwalk.studies.margins.solution import Instant, Solution
 from contwalk.system import Symmetry, System
@@ -158,7 +159,7 @@ class Survival:
                 off[:, place] -= declared.period * np.floor(off[:, place] / declared.period + 0.5)
         off = np.nan_to_num(off / self.solution.magnitudes, nan=0.0)
         ahead = np.diff(off, axis=0)
-        lengths = np.maximum((ahead**2).sum(axis=1), np.finfo(float).tiny)
+        lengths = np.maximum((ahead**2).sum(axis=1), SMALLEST)
         shares = np.clip(-(off[:-1] * ahead).sum(axis=1) / lengths, 0.0, 1.0)
         nearest = np.concatenate([off, off[:-1] + shares[:, None] * ahead])
         return float(np.sqrt((nearest**2).sum(axis=1).min()))
