@@ -84,13 +84,14 @@ def _checked(
     system: System, header: RunHeader, records: Sequence[Record], seconds: float, silent: bool
 ) -> list[Finding]:
     """All findings, with a bar where somebody watches."""
-    from contwalk.workflow.verifying import verify
+    from contwalk.verification.checking import checked
+    from contwalk.workflow.verifying import ranges_of
 
     with bar("records", len(records), silent) as move:
-        return verify(
+        return checked(
             system,
-            header,
             records,
+            ranges_of(header),
             seconds,
             move and (lambda done: move(advance=1, description=f"{done.branch}/{done.record}")),
         )

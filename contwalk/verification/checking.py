@@ -41,7 +41,7 @@ def _ordinary(branch: Branch, every: int = 10) -> list[int]:
     """Rows that are no special points and have an error, every tenth of them, spread ever more finely."""
     rows = np.flatnonzero(~branch.points["special"] & np.isfinite(branch.points["error"]))
     chosen = rows[every // 2 :: every] if len(rows) > every // 2 else rows[:1]
-    order = sorted(range(len(chosen)), key=lambda k: int(f"{k:032b}"[::-1], 2), reverse=False)
+    order = sorted(range(len(chosen)), key=lambda k: int(f"{k:032b}"[::-1], 2))
     return [int(chosen[k]) for k in order]
 
 

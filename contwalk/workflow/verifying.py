@@ -2,45 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.storage import RunHeader
-from contwalk.system import System
-from contwalk.verification.checking import Record, checked
 from contwalk.verification.ends import Ranges
-from contwalk.verification.finding import Finding
 from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
 
 def budget_of(branches: Sequence[Branch], times: float = 2.0, least: float = 10.0) -> float:
     """CPU seconds that a check takes at most by default: twice those of the run, but no fewer than ten."""
     return max(times * sum(float(branch.cost.get("seconds", 0.0)) for branch in branches), least)
-
-
-def verify(
-    system: System,
-    header: RunHeader,
-    records: Sequence[Record],
-    seconds: float,
-    progress: Callable[[Finding], None] | None = None,
-) -> list[Finding]:
-    """Recompute records of a run.
-
-    Parameters
-    ----------
-    system : System
-    header : RunHeader
-        Of the database, whose run file tells the ranges.
-    records : sequence of (Branch, SpecialPoint or row)
-    seconds : float
-        CPU that is taken at most.
-    progress : callable, optional
-        Told each finding when it is there.
-    """
-    return checked(system, records, ranges_of(header), seconds, progress)
 
 
 def ranges_of(header: RunHeader) -> Ranges:

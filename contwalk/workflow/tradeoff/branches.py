@@ -13,13 +13,14 @@ from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
 from contwalk.storage import open_database
+from contwalk.verification.checking import checked
 from contwalk.verification.finding import Finding
 from contwalk.workflow.pairing import counted, paired, value_of
 from contwalk.workflow.run_file.reading import RunFile
 from contwalk.workflow.runner import run
 from contwalk.workflow.tradeoff.measuring import ACCURACIES, Outcome, Report, every, relative, tighter, tried
 from contwalk.workflow.tradeoff.trials import BRANCHES, COLLOCATION, Setting, Tradeoff
-from contwalk.workflow.verifying import verify
+from contwalk.workflow.verifying import ranges_of
 
 METHODS = ("dop853", "verner98", "auto")
 
@@ -132,10 +133,10 @@ def _checked(run_file: RunFile, output: Path, branches: Sequence[Branch], report
     with open_database(output) as db:
         header = db.header
     points = [(branch, point) for branch in branches for point in branch.special_points if counted(point)]
-    return verify(
+    return checked(
         run_file.system,
-        header,
         points,
+        ranges_of(header),
         math.inf,
         progress=lambda c: report(f"the truth, by another integrator: {c.branch}/{c.record}"),
     )
