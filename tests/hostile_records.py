@@ -137,3 +137,90 @@ def changed(source: Path, target: Path, seed: int) -> str:
         told[-1] = with_text(value, path, text)
         done = texts.write(place, told)
     return f"{place} {path} = {text[:40]}" if done else "nothing"
+
+
+# Datasets that stand where another one should.
+ARRAYS = (
+    np.zeros(0),
+    np.full(2, np.nan),
+    np.full(2, np.inf),
+    np.full(2, 1e308),
+    np.full(2, 2**63 - 1),
+    np.full(2, -1),
+    np.zeros((2, 2, 2)),
+    np.float64(1.0),
+    np.zeros(2, dtype=complex),
+    np.zeros(2, dtype=[("a", float)]),
+    np.array([b"x", b"../x"]),
+)
+TEXTS = ("", "../x", "\x1b[31m", "x" * 70_000, "=1+1", "{}", "[" * 90_000, "9" * 5000, '{"a": 1e999}')
+PACKED = 1 << 27  # numbers that take a few bytes in a file
+
+
+def changed_plain(source: Path, target: Path, seed: int) -> str:
+    """As `changed`, of a file of margins or of a trajectory: arrays and texts without checksums."""
+    random_ = random.Random(seed)
+    target.write_bytes(source.read_bytes())
+    with h5py.File(target, "r+") as file:
+        places: list[str] = []
+        file.visit(places.append)
+        how = random_.choice((_header, _attribute, _array, _text, _packed, _elsewhere, _missing, _group))
+        return how(file, random_, random_.choice(places))
+
+
+def _header(file: h5py.File, random_: random.Random, _: str) -> str:
+    name = random_.choice([each for each in ("header", "parameters") if each in file.attrs])
+    value, text = json.loads(file.attrs[name]), random_.choice(HOSTILE)
+    path = random_.choice(list(paths_of(value)))
+    told = with_text(value, path, text)
+    del file.attrs[name]
+    if len(told) < 60_000:  # what HDF5 keeps in an attribute
+        file.attrs[name] = told
+    return f"{name} {path} = {text[:40]}"
+
+
+def _attribute(file: h5py.File, random_: random.Random, _: str) -> str:
+    name = random_.choice(list(file.attrs))
+    value = random_.choice([*TEXTS[:3], *ARRAYS[:6], 2**62, -1, h5py.Empty("f8")])
+    file.attrs[name] = value
+    return f"attribute {name} = {value!r}"
+
+
+def _put(file: h5py.File, place: str, value: Any, **options: Any) -> str:
+    del file[place]
+    file.create_dataset(place, data=value, **options)
+    return f"{place} = {value!r}"[:80]
+
+
+def _array(file: h5py.File, random_: random.Random, place: str) -> str:
+    return _put(file, place, random_.choice(ARRAYS))
+
+
+def _text(file: h5py.File, random_: random.Random, place: str) -> str:
+    count = len(file[place]) if isinstance(file[place], h5py.Dataset) and file[place].shape else 1
+    return _put(file, place, [random_.choice(TEXTS)] * count, dtype=h5py.string_dtype())
+
+
+def _packed(file: h5py.File, _: random.Random, place: str) -> str:
+    del file[place]
+    file.create_dataset(place, shape=(PACKED,), dtype="f8", chunks=(1 << 20,), compression="gzip")
+    return f"{place} packed"
+
+
+def _elsewhere(file: h5py.File, random_: random.Random, place: str) -> str:
+    del file[place]
+    file[place] = random_.choice(
+        [h5py.SoftLink("/"), h5py.SoftLink("/nowhere"), h5py.ExternalLink("/etc/passwd", "/"), file["/"]]
+    )
+    return f"{place} is a link"
+
+
+def _missing(file: h5py.File, _: random.Random, place: str) -> str:
+    del file[place]
+    return f"{place} is missing"
+
+
+def _group(file: h5py.File, _: random.Random, place: str) -> str:
+    del file[place]
+    file.create_group(place)
+    return f"{place} is a group"

@@ -7,14 +7,15 @@ import errno
 import os
 import random
 import shutil
+import signal
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import chdir, redirect_stderr, redirect_stdout
+from contextlib import chdir, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 
-from tests.hostile_records import changed
+from tests.hostile_records import changed, changed_plain
 from tools.trial.commands import Done, Fault, Running, done, with_faults
 from tools.trial.studies import FIELDS, MAGNITUDES, write_stressed, write_study
 
@@ -36,7 +37,11 @@ READERS = (
 )
 NAMES = ("../x", "a b", "é", "-x", "'; touch owned'", "$(touch owned)", "a\nb", "\x1b[2J", "x" * 300, ".", "")
 # What a kind of trial does by itself if it is run whole.
-FLIPS, CUTS, CRAFTED = 500, 100, 500
+FLIPS, CUTS, CRAFTED, JOBS = 500, 100, 500, 36
+CRAFTED_ARRAYS = (
+    ("study_margins.h5", (*READERS, ("diff", "study.h5", "{}"), ("verify", "{}", "--trust"))),
+    ("study_trajectory.h5", (*READERS, ("animate", "{}", "-o", "read.svg"), ("verify", "{}", "--trust"))),
+)
 
 
 class Broken(Exception):
@@ -160,6 +165,47 @@ class Trial:
             self.clean(where, what, "damaged.h5", "read", "read.svg")
             yield what
 
+    def crafted_arrays(self) -> Iterator[str]:
+        """Margins and trajectories with arrays, texts and links that no command writes."""
+        for k in self.some(CRAFTED):
+            where, (kind, readers) = self.folder(made=True), CRAFTED_ARRAYS[k % len(CRAFTED_ARRAYS)]
+            what = changed_plain(where / kind, where / "damaged.h5", self.random.randrange(1 << 30))
+            given = [word.format("damaged.h5") for word in self.random.choice(readers)]
+            self.kept(where, done(where, *given), f"{given[0]} of {kind}: {what}")
+            self.clean(where, what, "damaged.h5", "read", "read.svg")
+            yield what
+
+    def jobs(self) -> Iterator[str]:
+        """Faults while other processes work: none of them outlives the command, and nothing is lost."""
+        for k in self.some(JOBS):
+            name, how = ("continue", "margins")[k % 2], (0, -1, errno.ENOSPC)[k % 3]
+            where, command = (
+                self.folder(made=name != "continue"),
+                (*WRITERS[name], "--jobs", "2", *_over(name)),
+            )
+            nth = self.random.randrange(1, 40) if how else 0
+            running, what = Running(where, command, Fault(nth, how)), f"{name} --jobs 2, {how} at write {nth}"
+            if how == 0 and (worker := running.worker()) is not None:
+                time.sleep(self.random.random())
+                with suppress(ProcessLookupError):
+                    os.kill(worker, signal.SIGKILL)
+            told = running.done()
+            self.kept(where, told, what, killed=how < 0)
+            if not running.all_ended():
+                raise Broken(f"{what}: a process goes on without the command that began it")
+            if how == 0 and name == "continue" and told.code != 0:
+                raise Broken(f"{what}: {told.said}")
+            if told.code:
+                again = done(where, *command, "--resume")
+                again = done(where, *command, "--force") if again.code == 2 else again
+                self.kept(where, again, f"again after {what}")
+            if name == "continue":
+                same = done(where, "diff", "study.h5", str(self.whole / "study.h5"))
+                if same.code != 0:
+                    raise Broken(f"another study after {what}: {same.said[-600:]}")
+            self.clean(where, what)
+            yield what
+
     def hostile_names(self) -> Iterator[str]:
         """Names that would act, as every name that a command takes."""
         takes = [
@@ -226,6 +272,8 @@ def kinds_of(trial: Trial) -> dict[str, Iterator[str]]:
         "one bit flipped: databases, margins, trajectories, run files": trial.flips(),
         "cut short: the same": trial.cuts(),
         "crafted databases, whole by their checksums": trial.crafted(),
+        "crafted margins and trajectories": trial.crafted_arrays(),
+        "processes of `--jobs` killed, and commands above them": trial.jobs(),
         "hostile names through every command": trial.hostile_names(),
         "two writers at once": trial.two_writers(),
         "fields at the limits of numbers": trial.stress(),

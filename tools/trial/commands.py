@@ -9,12 +9,14 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
 SOURCE = Path(__file__).with_name("faults.c")
 # Seconds and bytes that no command of a trial needs.
 LONGEST, LARGEST = 60, 4 << 30
+PATIENCE = 20  # seconds in which processes that nobody asks any more end
 ARMED = "CONTWALK_TRIAL_FAULTS"
 
 
@@ -53,8 +55,36 @@ class Running:
         self._said, (self._read, write) = tempfile.TemporaryFile("w+b"), os.pipe()  # noqa: SIM115 (as long as it runs)
         self._pid = os.fork()
         if self._pid == 0:
+            os.setpgid(0, 0)
             _become(folder, arguments, fault, self._said.fileno(), write)
         os.close(write)
+
+    def worker(self) -> int | None:
+        """A process that it has begun, once there is one; None where it ends without."""
+        until = time.monotonic() + LONGEST
+        while time.monotonic() < until:
+            try:
+                begun = (
+                    Path(f"/proc/{self._pid}/task/{self._pid}/children").read_text(encoding="ascii").split()
+                )
+            except OSError:
+                return None
+            if begun:
+                return int(begun[0])
+            time.sleep(0.02)
+        return None
+
+    def all_ended(self) -> bool:
+        """Whether what it has begun ends as well, soon; what does not is ended here."""
+        until = time.monotonic() + PATIENCE
+        while time.monotonic() < until:
+            try:
+                os.killpg(self._pid, 0)
+            except ProcessLookupError:
+                return True
+            time.sleep(0.05)
+        os.killpg(self._pid, signal.SIGKILL)
+        return False
 
     def done(self) -> Done:
         """Wait for its end."""
