@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from contwalk import tables
-from contwalk.labels import EVERY_MEANING
 from contwalk.signatures import told_problem
-from contwalk.special_point import told_sides
+from contwalk.special_point import told_sides, told_what
 
 
 def told_branch(branch: Any) -> str:
@@ -35,11 +34,10 @@ def table_of_special_points(branch: Any) -> tables.Table:
     rows = [["name", "what", free, "error", "criticality", "unstable"]]
     for point in branch.special_points:
         value = point.parameters.get(free, float(branch[free][point.index]) if free and len(branch) else None)
-        what = EVERY_MEANING.get(point.label, point.label) + (f" ({point.kind})" if point.kind else "")
         rows.append(
             [
                 point.name,
-                what if point.status == "located" else f"{what}, NOT LOCATED",
+                told_what(point),
                 "" if value is None else f"{value:.12g}",
                 "" if point.error is None else f"{point.error:.1e}",
                 point.criticality or "",

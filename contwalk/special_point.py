@@ -62,10 +62,25 @@ class SpecialPoint:
 
 def told_point(point: SpecialPoint) -> str:
     """`PD1: period doubling, supercritical, located, error 3e-12`."""
-    parts = [EVERY_MEANING.get(point.label, point.label), point.kind, point.criticality, point.status]
+    parts = [EVERY_MEANING.get(point.label, point.label), told_kind(point), point.criticality, point.status]
     error = f"error {point.error:.1e}" if point.error is not None else None
     said = ", ".join(part for part in (*parts, error) if part)
     return f"{point.name or point.label}: {said}"
+
+
+def told_kind(point: SpecialPoint) -> str | None:
+    """The kind in words, of a marked value what it is of: `extremum of max_re`, `max_re = 0`."""
+    name, value = point.mark.get("name"), point.mark.get("value")
+    if name is None or point.kind is None:
+        return point.kind
+    return f"{point.kind} of {name}" if value is None else f"{name} = {value:g}"
+
+
+def told_what(point: SpecialPoint) -> str:
+    """`branch point (pitchfork)`; one that is not located says so."""
+    kind = told_kind(point)
+    words = EVERY_MEANING.get(point.label, point.label) + (f" ({kind})" if kind else "")
+    return words if point.status == "located" else f"{words}, NOT LOCATED"
 
 
 def told_count(unstable: int | None) -> str:

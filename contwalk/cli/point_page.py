@@ -17,11 +17,11 @@ from contwalk.cli.hybrid_page import (
 )
 from contwalk.cli.summary import free_value
 from contwalk.cli.terminal import line, table
-from contwalk.cli.words import exact, meaning, plural, rough, with_unit
+from contwalk.cli.words import exact, plural, rough, with_unit
 from contwalk.errors import ContwalkError
 from contwalk.labels import UNDECIDED
 from contwalk.signatures import is_iterated, told_problem
-from contwalk.special_point import told_count, told_sides
+from contwalk.special_point import told_count, told_sides, told_what
 
 if TYPE_CHECKING:
     import numpy as np
@@ -91,7 +91,7 @@ def print_special(
 ) -> None:
     """A special point: where it is, what happens there, and the numbers that say so."""
     hybrid = facts_at(system, branch, point)
-    line(out, f"{branch.name}/{point.name}  {meaning(point.label, point.kind, point.status)}", style="bold")
+    line(out, f"{branch.name}/{point.name}  {told_what(point)}", style="bold")
     free = branch.info.free[0]
     error = f", estimated error {rough(point.error)}" if point.error is not None else ""
     facts = [f"{free} = {exact(free_value(branch, point))} {with_unit(free, units)}".strip() + error]

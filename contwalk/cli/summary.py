@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.cli.terminal import line, table
-from contwalk.cli.words import choices, exact, meaning, plural, rough, with_unit
+from contwalk.cli.words import choices, exact, plural, rough, with_unit
 from contwalk.labels import UNDECIDED
 from contwalk.signatures import folded, is_iterated, told_problem
-from contwalk.special_point import told_sides
+from contwalk.special_point import told_sides, told_what
 from contwalk.system.units import lasting
 
 if TYPE_CHECKING:
@@ -154,7 +154,7 @@ def _print_special(out: Console, branch: Branch) -> None:
     rows = [
         [
             point.name,
-            meaning(point.label, point.kind, point.status),
+            told_what(point),
             exact(free_value(branch, point)),
             *(exact(float(point.parameters[name])) for name in further),
             rough(point.error),

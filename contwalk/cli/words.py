@@ -6,14 +6,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from contwalk.labels import EVERY_MEANING
-
-
-def meaning(label: str, kind: str | None, status: str = "located") -> str:
-    """`branch point (pitchfork)`; one that is not located says so."""
-    words = EVERY_MEANING.get(label, label) + (f" ({kind})" if kind else "")
-    return words if status == "located" else f"{words}, NOT LOCATED"
-
 
 def exact(value: float) -> str:
     """A number with all its digits."""

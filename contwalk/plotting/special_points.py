@@ -9,7 +9,9 @@ from matplotlib.lines import Line2D
 
 from contwalk.branch import SpecialPoint
 from contwalk.labels import EVERY_MEANING
+from contwalk.plotting.labels import MOST_SHARED
 from contwalk.plotting.style import GREY, INK
+from contwalk.special_point import told_kind
 
 # Every marker has an inside, so that one drawn hollow can say "not located".
 # A tuple is (number of tips, 1 for a star, angle).
@@ -74,8 +76,14 @@ def legend_entries(points: Sequence[SpecialPoint]) -> list[Line2D]:
         alike = [point for point in points if point.label == label]
         if alike:
             located = any(point.status == "located" for point in alike)
-            meaning = f"{label}  {EVERY_MEANING.get(label, '')}".rstrip()
+            meaning = f"{label}  {EVERY_MEANING.get(label, '')}".rstrip() + _marked(alike)
             entries.append(Line2D([], [], label=meaning, **marker(label, GREY, located=located)))
     if any(point.status != "located" for point in points):
         entries.append(Line2D([], [], label="hollow: not located", **marker("HB", GREY, located=False)))
     return entries
+
+
+def _marked(points: Sequence[SpecialPoint]) -> str:
+    """What the marked values among the points are of; of many, nothing."""
+    what = dict.fromkeys(f"\n{told_kind(point)}" for point in points if point.mark)
+    return "".join(what) if len(what) <= MOST_SHARED else ""
