@@ -1,4 +1,4 @@
-"""How far a motion may be pushed at some of its instants: a bar for each state and sign."""
+"""How far a motion may be pushed at some instants: a bar for each state and sign, an axis for each unit."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contwalk.errors import ContwalkError
-from contwalk.plotting.quantities import axis_label
+from contwalk.plotting.quantities import axis_label, unit_of
 from contwalk.plotting.style import GREY, INK, PALETTE, dress, light, new_grid
 
 MOST_COLUMNS = 5
@@ -31,9 +31,9 @@ def plot_margins(
     units: Mapping[str, str] | None = None,
     draw: Callable[[int, Axes], None] | None = None,
 ) -> Figure:
-    """Draw margins, a panel for each instant: to the left how far a state may be pushed down, right up.
+    """Draw margins, a column for each instant: to the left how far a state may be pushed down, right up.
 
-    Bars are logarithmic, each with its number; units stand beside the names of the states. A pale bar is one
+    States of one unit share a panel. Bars are logarithmic, each with its number. A pale bar is one
     beyond whose border survival begins again further out; an arrow says that no border was met.
 
     Parameters
@@ -43,7 +43,8 @@ def plot_margins(
     fractions : sequence of float
         Of the closure, for each instant.
     axes : sequence of Axes, optional
-        Where to draw, one for each instant, and with `draw` one more for each; new ones by default.
+        Where to draw: for each unit one for each instant, and with `draw` one more for each; by default
+        new ones.
     units : mapping, optional
         Units by name.
     draw : callable, optional
@@ -60,17 +61,22 @@ def plot_margins(
     """
     if not rows:
         raise ContwalkError("There are no margins to draw.", "Give a row for each state and sign.")
-    states = list(dict.fromkeys(str(row["state"]) for row in rows))
-    known = [float(row["border"]) for row in rows if row["border"]]
-    high = max(known, default=1.0)
-    low = min([border for border in known if border > NOTHING * high], default=0.1)
-    floor = 10.0 ** math.floor(math.log10(low) - 0.2)
-    reach = math.log10(ROOM * high / floor)
+    of_unit: dict[str, list[str]] = {}
+    for state in dict.fromkeys(str(row["state"]) for row in rows):
+        of_unit.setdefault(unit_of(state, units or {}), []).append(state)
+    groups, instants = list(of_unit.values()), len(fractions)
     if axes is None:
-        axes = _new_axes(len(fractions), max(ROW * len(states) + 1.1, 2.2), pictured=draw is not None)
-    for number, ax in enumerate(axes[: len(fractions)]):
-        _panel(ax, [row for row in rows if row["instant"] == number], states, floor, reach)
-        above = ax if draw is None else axes[len(fractions) + number]
+        axes = _new_axes(instants, [len(states) for states in groups], pictured=draw is not None)
+    for place, states in enumerate(groups):
+        own = [row for row in rows if row["state"] in states]
+        for number, ax in enumerate(axes[place * instants : (place + 1) * instants]):
+            _panel(ax, [row for row in own if row["instant"] == number], states, *_scale(own))
+            dress(ax, "push down          push up" if place == len(groups) - 1 else "", "")
+            named = [axis_label(s, units) for s in states] if number % MOST_COLUMNS == 0 else []
+            ax.set_yticks(range(len(named)), named)
+            ax.tick_params(axis="y", labelsize=7.5, length=0)
+    for number in range(instants):
+        above = axes[number if draw is None else len(groups) * instants + number]
         after = f": after {fractions[number]:.4g} of the closure" if fractions[number] else ""
         above.set_title(f"instant {number}{after}", fontsize=8.5, color=INK)
         if draw is not None:
@@ -78,26 +84,34 @@ def plot_margins(
             above.set_axis_off()
             for text in above.texts:  # as many would not fit as fit
                 text.set_visible(False)
-        named = number % MOST_COLUMNS == 0
-        ax.set_yticks(range(len(states)), [axis_label(s, units) for s in states] if named else [])
     return _figure_of(axes[0])
 
 
-def _new_axes(number: int, height: float, pictured: bool) -> list[Axes]:
-    """Panels of so many inches, a few of them in a line, then axes for the machines above them."""
+def _scale(rows: Sequence[Mapping[str, Any]]) -> tuple[float, float]:
+    """Where bars of some rows begin, and how many powers of ten they reach."""
+    known = [float(row["border"]) for row in rows if row["border"]]
+    high = max(known, default=1.0)
+    low = min([border for border in known if border > NOTHING * high], default=0.1)
+    floor = 10.0 ** math.floor(math.log10(low) - 0.2)
+    return floor, math.log10(ROOM * high / floor)
+
+
+def _new_axes(number: int, sizes: Sequence[int], pictured: bool) -> list[Axes]:
+    """Panels for so many states each, a few instants in a line, then axes for the machines above them."""
     columns = min(number, MOST_COLUMNS)
     lines = -(-number // columns)
-    if not pictured:
-        panels = new_grid("margins", number, columns)
-        _figure_of(panels[0]).set_figheight(lines * height)
-        return panels
-    grid = new_grid("margins", 2 * lines * columns, columns, heights=(PICTURE, height) * lines)
-    _figure_of(grid[0]).set_figheight(lines * (PICTURE + height))
-    rows = [grid[first : first + columns] for first in range(0, len(grid), columns)]
-    pictures, panels = ([ax for row in rows[which::2] for ax in row] for which in (0, 1))
-    for ax in (*pictures[number:], *panels[number:]):
-        ax.remove()
-    return [*panels[:number], *pictures[:number]]
+    heights = [PICTURE] * pictured + [ROW * size + 0.6 for size in sizes]
+    heights[-1] = max(heights[-1] + 0.5, 2.2 if len(sizes) == 1 else 0.0)
+    grid = new_grid("margins", lines * len(heights) * columns, columns, heights=heights * lines)
+    _figure_of(grid[0]).set_figheight(lines * sum(heights))
+    kinds = []
+    for which in range(len(heights)):
+        rows = range(which, lines * len(heights), len(heights))
+        places = [ax for row in rows for ax in grid[row * columns : (row + 1) * columns]]
+        kinds.append(places[:number])
+        for ax in places[number:]:
+            ax.remove()
+    return [ax for kind in (*kinds[pictured:], *kinds[:pictured]) for ax in kind]
 
 
 def _figure_of(ax: Axes) -> Figure:
@@ -146,10 +160,8 @@ def _panel(
                 backgroundcolor="white",
                 zorder=4,
             )
-    dress(ax, "push down          push up", "")
     ax.axvline(0.0, color=INK, linewidth=0.7, zorder=3)
     ax.set_xlim(-1.35 * reach, 1.35 * reach)
     ax.spines["left"].set_visible(False)
     ax.set_ylim(len(states) - 0.4, -0.6)
     ax.set_xticks([])
-    ax.tick_params(axis="y", labelsize=7.5, length=0)

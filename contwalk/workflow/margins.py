@@ -171,7 +171,7 @@ def _to_store(
             "config": run.text,
             "overrides": list(run.overrides),
             "model": dict(run.model),
-            "units": units_of(run.system),
+            "units": dict(units_of(run.system)),
             "parameters": solution.parameters,
             "notes": list(notes),
             "provenance": made_with_but_the_hour(run.path, run.system_reference, run.system),

@@ -23,12 +23,23 @@ ROWS = [
 
 
 def test_bars_are_logarithmic_and_lie_on_the_side_of_the_push():
-    first, second = plotting.plot_margins(ROWS, [0.0, 0.5], units={"q": "m", "u": "1"}).axes
-    assert [label.get_text() for label in first.get_yticklabels()] == ["q (m)", "u"]
+    first, second = plotting.plot_margins(ROWS, [0.0, 0.5], units={"q": "m", "u": "m"}).axes
+    assert [label.get_text() for label in first.get_yticklabels()] == ["q (m)", "u (m)"]
     widths = [bar.get_width() for bar in first.patches]
     assert widths[0] > 0.0 > widths[1]
     assert abs(widths[1]) - widths[0] == pytest.approx(2.0)  # a hundred times as far
     assert second.patches[0].get_width() - widths[0] == pytest.approx(3.0)
+
+
+def test_states_of_one_unit_share_an_axis_and_others_have_their_own():
+    axes = plotting.plot_margins(ROWS, [0.0, 0.5], units={"q": "m", "u": "m/s"}).axes
+    named = [[label.get_text() for label in ax.get_yticklabels()] for ax in axes]
+    assert named == [["q (m)"], [], ["u (m/s)"], []]  # the first instant's panels name the states
+    longest = [
+        max((abs(bar.get_width()) / ax.get_xlim()[1] for bar in ax.patches), default=0.0) for ax in axes
+    ]
+    assert longest[1] > 0.5
+    assert longest[2] > 0.2  # 0.1 m/s is not short beside 10 m
 
 
 def test_what_was_not_pushed_or_met_no_border_is_said():
