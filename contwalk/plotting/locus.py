@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,9 @@ from contwalk.labels import MEANINGS
 from contwalk.plotting.contours import is_contour, level_of, middle, quantity_of
 from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.quantities import axis_label, called
+from contwalk.plotting.smooth_curves import Curve, curve_of
 from contwalk.plotting.special_points import legend_entries, marker
+from contwalk.plotting.stable_sides import draw_ticks
 from contwalk.plotting.style import GREY, INK, PALETTE, dark, dress, legend_above, new_axes
 
 LINE: dict[str, Any] = {"linewidth": 1.6, "solid_capstyle": "round"}
@@ -26,6 +28,7 @@ SADDLE: dict[str, Any] = {"linewidth": 1.0, "linestyle": (0, (1.0, 2.0))}
 # The colour of a curve is by what it is of.
 OF = ("LP", "HB", "BP", "PD", "NS", "GR", "OC", "AZ")
 COLORS = (*PALETTE, "#8C564B", "#44337A")  # the last one is of kinds that somebody else adds
+TICKS: dict[str, Any] = {"linestyle": "none", "markersize": 6.0, "markeredgewidth": 0.7}
 # A curve of a marked value is a contour: nothing happens on it.
 CONTOUR: dict[str, Any] = {"linewidth": 0.9, "solid_capstyle": "round"}
 
@@ -41,10 +44,13 @@ def plot_locus(
 ) -> Axes:
     """Draw curves in two parameters: neutral saddles dotted, special points named, contours with values.
 
+    Ticks point to where something is stable.
+
     Parameters
     ----------
     branches : sequence of Branch
-        Those that are no curves in two parameters, or lack `x` or `y`, are left out.
+        Those that are no curves in two parameters, or lack `x` or `y`, are left out. What curves were begun
+        from tells on which side of them something is stable.
     x, y : str, optional
         Two parameters, states or observables; by default the first and the second free parameter.
     ax : Axes, optional
@@ -71,17 +77,22 @@ def plot_locus(
         raise ContwalkError(f"No curve has both '{x}' and '{y}'.", f"Known: {', '.join(curves[0].names())}.")
     ax = ax or new_axes("locus")
     dress(ax, axis_label(x, units), axis_label(y, units))
-    labels, inks = [], []
+    labels, inks, lines = [], [], []
     known: dict[tuple[float, ...], set[str]] = {}
     for branch, name in zip(drawn, called(drawn), strict=True):
-        points = np.stack([branch[x], branch[y]], axis=1)
-        inks.append(points)
-        _draw(ax, branch, name, points)
-        labels += _draw_special(ax, branch, name, points, known)
+        curve = curve_of(branch, (x, y), np.stack([branch[x], branch[y]], axis=1))
+        lines.append(curve)
+        inks.append(curve.points)
+        _draw(ax, branch, name, curve)
+        labels += _draw_special(ax, branch, name, curve.rows, known)
     labels += _levels(drawn, inks)
+    ticks = [
+        draw_ticks(ax, branches, branch, curve, ~saddles(branch), _color(branch))
+        for branch, curve in zip(drawn, lines, strict=True)
+    ]
     ax.margins(x=0.05, y=0.1)
     ax.autoscale_view()
-    legend_above(ax, _meanings(drawn))
+    legend_above(ax, _meanings(drawn, any(ticks)))
     left_out = place_labels(ax, labels, inks)
     if left_out:
         report(
@@ -107,13 +118,16 @@ def _look(branch: Branch) -> dict[str, Any]:
     return CONTOUR if is_contour(branch) else LINE
 
 
-def _draw(ax: Axes, branch: Branch, name: str, points: np.ndarray) -> None:
+def _draw(ax: Axes, branch: Branch, name: str, curve: Curve) -> None:
     """The line of a curve, in pieces where its kind changes; each reaches the first point of the next."""
     start, gaps = 0, np.array(branch.gaps(), dtype=int)
     for number, (real, members) in enumerate(groupby(saddles(branch).tolist())):
         stop = start + len(list(members))
-        outside = gaps[(gaps >= start) & (gaps < stop)] - start + 1
-        part = np.insert(points[start : stop + 1], outside, np.nan, axis=0)
+        last = min(stop, len(branch) - 1)
+        ends = [start, *(gaps[(gaps >= start) & (gaps < stop)] + 1), last + 1]
+        nothing = np.full((1, 2), np.nan)
+        lines = [np.vstack([curve.between(a, b - 1), nothing]) for a, b in pairwise(ends)]
+        part = np.concatenate(lines)[:-1]
         look: dict[str, Any] = SADDLE if real else _look(branch)
         ax.plot(part[:, 0], part[:, 1], color=_color(branch), gid=f"{name}-{number}", zorder=2, **look)
         start = stop
@@ -159,7 +173,7 @@ def _meaning(of: str, alike: Sequence[Branch]) -> str:
     return " and ".join(dict.fromkeys(names)) + " at the value beside it" if names else MEANINGS.get(of, of)
 
 
-def _meanings(drawn: Sequence[Branch]) -> list[Any]:
+def _meanings(drawn: Sequence[Branch], ticks: bool) -> list[Any]:
     """What lines and markers mean; only what occurs."""
     handles: list[Any] = []
     for of in dict.fromkeys(str(branch.info.settings["of"]) for branch in drawn):
@@ -168,5 +182,7 @@ def _meanings(drawn: Sequence[Branch]) -> list[Any]:
         handles.append(Line2D([], [], color=_color(alike[0]), label=text, **_look(alike[0])))
     if any(saddles(branch).any() for branch in drawn):
         handles.append(Line2D([], [], color=INK, label="neutral saddles", **SADDLE))
+    if ticks:
+        handles.append(Line2D([], [], color=INK, marker="|", label="ticks: stable on this side", **TICKS))
     points = [point for branch in drawn for point in branch.special_points if point.label != "EP"]
     return handles + legend_entries(points)

@@ -35,15 +35,21 @@ class Curve:
         return self.points[self.at[first] : self.at[last] + 1]
 
 
-def curve_of(branch: Branch, names: tuple[str, str], points: np.ndarray) -> Curve:
-    """The curve through the points, shape (k, 2), that two quantities have on a branch."""
+def curve_of(
+    branch: Branch, names: tuple[str, str], points: np.ndarray, size: np.ndarray | None = None
+) -> Curve:
+    """The curve through the points, shape (k, 2), that two quantities have on a branch.
+
+    `size`, shape (2,), is that of the part of the plane that is shown: by default that of the points.
+    """
     corners = Curve(points, np.arange(len(points)))
     if len(points) < 2 or not _has_tangents(branch):
         return corners
     s = branch["s"]
     slopes = np.stack([slope_of(branch, name, s, points[:, i]) for i, name in enumerate(names)], axis=1)
     finite = points[np.isfinite(points).all(axis=1)]
-    size = np.ptp(finite, axis=0) if len(finite) else np.ones(2)
+    if size is None:
+        size = np.ptp(finite, axis=0) if len(finite) else np.ones(2)
     size = np.where(size > 0.0, size, 1.0)
     parts, at = [points[:1]], [0]
     for row in range(len(points) - 1):
@@ -62,8 +68,8 @@ def slope_of(branch: Branch, name: str, s: np.ndarray, values: np.ndarray) -> np
     if not _has_tangents(branch):
         return akima(s, values)
     tangent = branch["tangent"]
-    if name == branch.info.free[0]:
-        last = np.isfinite(branch["unknowns"]).sum(axis=1)
+    if name in branch.info.free:  # those of a curve in two parameters stand in the other order
+        last = np.isfinite(branch["unknowns"]).sum(axis=1) - branch.info.free.index(name)
         return np.asarray(tangent[np.arange(len(branch)), last])
     if branch.info.problem == "equilibrium" and name in branch.info.states:
         return np.asarray(tangent[:, branch.info.states.index(name)])
