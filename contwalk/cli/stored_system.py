@@ -50,11 +50,12 @@ def optional_system(database: FileDatabase, trust: bool, needed_for: str) -> Sys
 
 
 def units_of_run(database: FileDatabase, trust: bool) -> Mapping[str, str]:
-    """Units by name: as stored, or else the system's."""
-    from contwalk.plotting.quantities import units_of
+    """Units and what figures call them, by name: as stored, or else the system's."""
+    from contwalk.plotting.quantities import Units, units_of
 
-    stored = database.header.provenance.get("units")
+    stored, called = (database.header.provenance.get(key) for key in ("units", "called"))
     if stored is not None:
-        return {str(name): str(unit) for name, unit in stored.items()}
+        known = ({str(name): str(text) for name, text in (each or {}).items()} for each in (stored, called))
+        return Units(*known)
     system = optional_system(database, trust, "units")
     return {} if system is None else units_of(system)

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
-from contwalk.branch import Branch
+from contwalk.branch import Branch, SpecialPoint
 from contwalk.plotting.branch_lines import HATCHING, INLAY, LIGHTER, LOOKS, STABLE, WHITE, Pen
 from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.orbit_values import default_y, drawn_by
@@ -23,7 +23,7 @@ from contwalk.plotting.quantities import (
     with_names,
     written,
 )
-from contwalk.plotting.segments import position, runs
+from contwalk.plotting.segments import Run, position, runs
 from contwalk.plotting.smooth_curves import Curve, curve_of
 from contwalk.plotting.special_points import legend_entries, marker
 from contwalk.plotting.style import GREY, INK, PALETTE, dark, dress, light, new_axes, title
@@ -80,11 +80,19 @@ def plot_bifurcation_diagram(
     drawn = with_names(branches, [x, y])
     own = ax is None
     ax = ax or new_axes("bifurcation_diagram")
-    by = drawn_by(drawn, y, dict(units or {}))
+    by = drawn_by(drawn, y, units)
     dress(ax, axis_label(x, units), by.label)
     names = called(drawn)
+    pairs = [
+        [np.stack([_values(b, x), _values(b, n)], axis=1) for n in by.names[k]] for k, b in enumerate(drawn)
+    ]
+    low, high = _corners(np.concatenate([each for pair in pairs for each in pair]), xlim, ylim)
     curves = {
-        number: [_curve(branch, x, name) for name in by.names[number]] for number, branch in enumerate(drawn)
+        number: [
+            curve_of(branch, (x, name), each, high - low)
+            for name, each in zip(by.names[number], pairs[number], strict=True)
+        ]
+        for number, branch in enumerate(drawn)
     }
     inks = [curve.points for each in curves.values() for curve in each]
     pen = Pen(ax, *_corners(np.concatenate(inks), xlim, ylim))
@@ -105,7 +113,8 @@ def plot_bifurcation_diagram(
         ax.set_xlim(*xlim)
     if ylim is not None:
         ax.set_ylim(*ylim)
-    handles = _meanings(drawn, lie_over) + _distinguished(drawn, names, units)
+    seen = [_seen(ax, branch, curves[number]) for number, branch in enumerate(drawn)]
+    handles = _meanings(seen, lie_over) + _distinguished(drawn, names, units)
     _legend(ax, handles)
     _tell_unnamed(drawn, report)
     if parameters:
@@ -145,10 +154,6 @@ def _corners(
     return low, high
 
 
-def _curve(branch: Branch, x: str, y: str) -> Curve:
-    return curve_of(branch, (x, y), np.stack([_values(branch, x), _values(branch, y)], axis=1))
-
-
 def _twice(branches: Sequence[Branch]) -> set[str]:
     """Names of special points that several of the branches have: they need the branch's own before them."""
     names = [point.name for branch in branches for point in branch.special_points if point.label != "EP"]
@@ -177,13 +182,18 @@ def _setting(name: str, value: float, units: Mapping[str, str] | None) -> str:
     return f"{name} = {value:g}" + ("" if unit in ("", "1") else f" {written(unit)}")
 
 
+def _place(branch: Branch, points: np.ndarray, point: SpecialPoint) -> list[float]:
+    """Where a special point is, among the points of a branch's curve, shape (k, 2)."""
+    return [position(branch, points[:, axis], point.index, point.s) for axis in (0, 1)]
+
+
 def _draw_special(
     ax: Axes, branch: Branch, name: str, points: np.ndarray, color: str, twice: set[str], which: int
 ) -> list[Label]:
     """Draw the markers on a curve of a branch; the labels of its first one, in the order along the branch."""
     labels = []
     for point in branch.special_points:
-        at = [position(branch, points[:, axis], point.index, point.s) for axis in (0, 1)]
+        at = _place(branch, points, point)
         look = marker(point.label, color, located=point.status == "located")
         again = f"-{which}" if which else ""
         ax.plot(at[:1], at[1:], gid=f"{name}-{point.name}{again}", **look)
@@ -277,10 +287,32 @@ def _distinguished(
     return [Line2D([], [], color=_color(i), label=text, **STABLE) for i, text in enumerate(texts)]
 
 
-def _meanings(drawn: Sequence[Branch], lie_over: bool) -> list[Any]:
-    """What the lines and markers mean; only what occurs."""
-    parts = [run for branch in drawn for run in runs(branch)]
-    points = [point for branch in drawn for point in branch.special_points if len(branch)]
+def _seen(ax: Axes, branch: Branch, curves: Sequence[Curve]) -> tuple[list[Run], list[SpecialPoint]]:
+    """The runs and the special points of a branch of which something lies within the axes."""
+    if not len(branch):
+        return [], []
+    parts = [run for run in runs(branch) if any(_passes(ax, c.between(run.first, run.last)) for c in curves)]
+    points = [
+        point
+        for point in branch.special_points
+        if any(len(_shown(ax, np.array([_place(branch, curve.rows, point)]))) for curve in curves)
+    ]
+    return parts, points
+
+
+def _passes(ax: Axes, line: np.ndarray) -> bool:
+    """Whether a line, shape (k, 2), passes the axes, by the boxes about its segments."""
+    limits = np.sort([ax.get_xlim(), ax.get_ylim()], axis=1)
+    low, high = np.minimum(line[:-1], line[1:]), np.maximum(line[:-1], line[1:])
+    if len(line) == 1:
+        low = high = line
+    return bool(np.all((low <= limits[:, 1]) & (high >= limits[:, 0]), axis=1).any())
+
+
+def _meanings(seen: Sequence[tuple[list[Run], list[SpecialPoint]]], lie_over: bool) -> list[Any]:
+    """What the lines and markers mean; only what is seen."""
+    parts = [run for runs_, _ in seen for run in runs_]
+    points = [point for _, points_ in seen for point in points_]
     handles: list[Any] = []
     for stable, (meaning, look) in LOOKS.items():
         if any(run.stable is stable for run in parts):

@@ -13,7 +13,7 @@ from contwalk.plotting.full_orbits import full_orbits
 from contwalk.plotting.multiplier_moduli import OTHER, draw_moduli, name_points
 from contwalk.plotting.quantities import called
 from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
-from contwalk.plotting.style import INK, dress, new_axes, new_grid
+from contwalk.plotting.style import INK, dress, new_axes, new_grid, title
 
 FARTHEST = 3.0  # modulus that is still shown: beyond it the unit circle would shrink to a dot
 
@@ -66,7 +66,9 @@ def plot_multiplier_panels(
         if len(chosen) > 1 and len(group) == 1:
             info = group[0].info
             text = called(chosen)[number] + (f", from {info.origin}" if info.origin else "")
-            plane.text(0.02, 0.98, text, transform=plane.transAxes, va="top", fontsize=9.5, color=INK)
+            legend = plane.get_legend()
+            lines = 0 if legend is None else -(-len(legend.get_texts()) // 2)
+            title(plane, text, above=14.0 * lines)
     for number, figure in enumerate(unnamed):  # they move as long as panels are added; names do not move them
         name_points(figure, report, settled=number > 0)
     return axes
@@ -104,11 +106,12 @@ def plot_multipliers(
     ax.axhline(0.0, color=INK, linewidth=0.4, zorder=1)
     ax.axvline(0.0, color=INK, linewidth=0.4, zorder=1)
     moduli = np.abs(numbers)
-    shown = numbers[moduli <= FARTHEST]
-    parts = np.concatenate([shown.real, shown.imag])
-    limits = with_margin(np.concatenate([parts, -parts]), [-1.0, 1.0])
+    # What lies beyond is seen to leave the figure.
+    shown = numbers * np.minimum(1.0, FARTHEST / np.maximum(moduli, FARTHEST))
+    both = {"x": shown.real, "y": shown.imag}
+    air = 0.07
     if moduli.max(initial=0.0) > FARTHEST:
-        limits = (-FARTHEST, FARTHEST)
+        air = 0.18  # for the words below the circle
         ax.text(
             0.98,
             0.02,
@@ -119,5 +122,6 @@ def plot_multipliers(
             color=INK,
             gid="outside",
         )
-    ax.set(aspect="equal", xlim=limits, ylim=limits)
+    # The circle and what is there: a square would be empty where the multipliers are real.
+    ax.set(aspect="equal", **{f"{x}lim": with_margin(parts, [-1.0, 1.0], air) for x, parts in both.items()})
     return ax

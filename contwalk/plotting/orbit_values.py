@@ -8,7 +8,7 @@ any orbit where the run file says at which section or event to look (`report_at`
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +29,7 @@ class Drawn:
     label: str
 
 
-def drawn_by(branches: Sequence[Branch], y: str, units: dict[str, str]) -> Drawn:
+def drawn_by(branches: Sequence[Branch], y: str, units: Mapping[str, str] | None) -> Drawn:
     """What stands for `y` on each of the branches."""
     plain = tuple((y,) for _ in branches)
     label = axis_label(y, units)
@@ -39,13 +39,13 @@ def drawn_by(branches: Sequence[Branch], y: str, units: dict[str, str]) -> Drawn
     places = {str(b.info.settings.get("reported", "")) for b in orbits}
     if "" not in places and _tells(orbits, y):
         place = f" {places.pop()}" if len(places) == 1 else " at events"
-        return Drawn(tuple((y, *_visits(b, y)) for b in branches), _placed(label, y, place))
+        return Drawn(tuple((y, *_visits(b, y)) for b in branches), axis_label(y, units, place))
     if any(values(b, quantities.MAX + y) is None for b in orbits):
         return Drawn(plain, label)
     ends = tuple(
         (quantities.MAX + y, quantities.MIN + y) if b.info.problem in ORBITS else (y,) for b in branches
     )
-    return Drawn(ends, _placed(label, y, ", largest and least"))
+    return Drawn(ends, axis_label(y, units, ", largest and least"))
 
 
 def default_y(branches: Sequence[Branch]) -> str:
@@ -74,10 +74,6 @@ def _tells(orbits: Sequence[Branch], y: str) -> bool:
         return False
     everything = np.concatenate([each[np.isfinite(each)] for each in found])
     return bool(np.ptp(everything) > CONSTANT * np.abs(everything).max())
-
-
-def _placed(label: str, y: str, place: str) -> str:
-    return y + place + label.removeprefix(y)
 
 
 def _visits(branch: Branch, y: str) -> list[str]:

@@ -12,7 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from contwalk.errors import ContwalkError
-from contwalk.plotting.quantities import axis_label
+from contwalk.plotting.overlaps import Cover
+from contwalk.plotting.quantities import LONG, axis_label
 from contwalk.plotting.style import INK, PALETTE, dress, light, new_axes
 
 STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.4}
@@ -20,7 +21,6 @@ UNSTABLE: dict[str, Any] = {"linestyle": "--", "linewidth": 1.0, "dashes": (4.5,
 # Where an event throws the state to; nothing moves along it.
 JUMP: dict[str, Any] = {"linestyle": ":", "linewidth": 0.8, "dashes": (1.0, 2.0)}
 WHITE = 0.5  # share of white in the colour of what is not admissible
-LONG = 24  # characters of a name that has its place below the axes
 LINE_OF_LEGEND = 0.19  # inches
 
 
@@ -84,7 +84,8 @@ def plot_phase_portrait(
         if len(curve) == 1:
             look = {"color": look["color"], "linestyle": "none", "marker": "o", "markersize": 5.0}
             look["fillstyle"] = "full" if steady else "none"
-        ax.plot(*curve.T, gid=f"orbit-{number}", zorder=2, **look)
+        for part in [curve] if steady or len(names) == 3 else _once(curve):
+            ax.plot(*part.T, gid=f"orbit-{number}", zorder=2, **look)
         for ends in jumps[number] if len(jumps) else ():
             ax.plot(*np.asarray(ends).T, gid=f"jump-{number}", zorder=1.9, color=color, **JUMP)
         text = _text(number, labels, periods)
@@ -99,6 +100,12 @@ def plot_phase_portrait(
     if handles:
         _legend(ax, handles, own)
     return ax
+
+
+def _once(curve: np.ndarray) -> list[np.ndarray]:
+    """A curve, shape (k, 2), in parts that do not lie on each other: dashes would fill each other's gaps."""
+    finite = curve[np.isfinite(curve).all(axis=1)]
+    return Cover(finite.min(axis=0), finite.max(axis=0)).bare(curve) if len(finite) > 1 else [curve]
 
 
 def _checked(orbits: Sequence[np.ndarray], names: Sequence[str], **given: Sequence[Any]) -> list[np.ndarray]:

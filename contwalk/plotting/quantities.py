@@ -11,26 +11,73 @@ from contwalk import quantities
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.system import System
-from contwalk.system.declarations import SPLIT, nearest
+from contwalk.system.declarations import SPLIT, Observable, Parameter, State, nearest
 from contwalk.system.units import time_unit
 
+LONG = 24  # characters of a text that has no room beside another one
 # Observables that branches have of themselves. They say how stable a motion is, not what it looks like.
 BUILT_IN_OBSERVABLES = ("max_re", "max_abs", SPLIT)
 
 
-def units_of(system: System) -> dict[str, str]:
+class Units(dict[str, str]):
+    """Units by name, and in `called` how figures write the names of those that say so."""
+
+    def __init__(self, units: Mapping[str, str], called: Mapping[str, str]) -> None:
+        super().__init__(units)
+        self.called = dict(called)
+
+
+def units_of(system: System) -> Units:
     """Units of a system's quantities by name, as the figures' `units` take them."""
     units = {"period": system.time_unit}
     units |= {state.name: state.unit for state in system.states}
     units |= {signal.name: signal.unit for signal in system.signals}
     units |= {parameter.name: parameter.unit for parameter in system.parameters}
-    return units | {observable.name: observable.unit for observable in system.observables}
+    units |= {observable.name: observable.unit for observable in system.observables}
+    declared: tuple[State | Parameter | Observable, ...]
+    declared = (*system.states, *system.parameters, *system.observables)
+    return Units(units, {each.name: _called(each) for each in declared})
 
 
-def axis_label(name: str, units: Mapping[str, str] | None) -> str:
-    """`omega (rad/s)`; the name alone where it has no unit or is dimensionless."""
-    unit = unit_of(name, units or {})
-    return name if unit in ("", "1") else f"{name} ({written(unit)})"
+def _called(declared: State | Parameter | Observable) -> str:
+    """`drag $\\delta$`: a name as a figure writes it, after what it means where that is short."""
+    symbol = f"${declared.latex}$" if declared.latex else declared.name
+    return f"{plain(declared.about)} {symbol}" if 0 < len(declared.about) <= LONG else symbol
+
+
+def plain(text: str) -> str:
+    """A text of which a figure writes dollar signs as they are."""
+    return text.replace("$", r"\$")
+
+
+def axis_label(name: str, units: Mapping[str, str] | None, place: str = "") -> str:
+    """`omega (rad/s)`; the name alone where it has no unit or is dimensionless.
+
+    `place` says at which place of a motion, before the unit.
+
+    Raises
+    ------
+    ContwalkError
+        If the name is declared in LaTeX that no figure can write.
+    """
+    unit, words = unit_of(name, units or {}), name
+    if isinstance(units, Units) and len(units.called.get(name, "")) < 8 * LONG:
+        words = units.called.get(name, name)
+        if "$" in words:
+            _check_written(name, words)
+    return words + place if unit in ("", "1") else f"{words}{place} ({written(unit)})"
+
+
+def _check_written(name: str, words: str) -> None:
+    from matplotlib.mathtext import MathTextParser
+
+    try:
+        MathTextParser("path").parse(words)
+    except (ValueError, RecursionError) as error:
+        raise ContwalkError(
+            f"'{name}' is declared as {words}, which a figure cannot write.",
+            f"Mend `latex` or `about` in the plugin: {str(error).splitlines()[-1]}.",
+        ) from error
 
 
 def time_label(units: Mapping[str, str] | None) -> str:

@@ -94,15 +94,17 @@ def draw_spectra(ax: Axes, branches: Sequence[Branch], units: Mapping[str, str] 
     colors = [np.asarray(values(branch, parameter)) for branch in chosen]
     norm = _norm(np.concatenate(colors))
     joints = _joints(chosen)
+    marked: dict[str, list[float]] = {}
     for branch, color in zip(chosen, colors, strict=True):
-        _draw(ax, branch, parameter, color, norm, joints)
+        for mark, row in _draw(ax, branch, parameter, color, norm, joints).items():
+            marked.setdefault(mark, []).append(float(color[row]))
     dots = LineCollection([], cmap=COLORS, norm=norm)
     dots.set_array(np.empty(0))
     bar = ax.figure.colorbar(dots, ax=ax, pad=0.02, aspect=28)
     bar.set_label(axis_label(parameter, units), fontsize=10, color=INK)
     bar.ax.tick_params(labelsize=8.5, width=0.7, length=3)
     bar.outline.set_linewidth(0.7)
-    _legend(ax, parameter, chosen, colors)
+    _legend(ax, parameter, chosen, marked)
     everything = np.concatenate([branch.points["spectrum"].ravel() for branch in chosen])
     return everything[np.isfinite(everything)]
 
@@ -138,9 +140,10 @@ def _draw(
     color: np.ndarray,
     norm: Normalize,
     joints: set[tuple[str, float]],
-) -> None:
+) -> dict[str, int]:
+    """Draw one branch; at which rows its start and its end are marked."""
     if len(branch) == 0:
-        return
+        return {}
     fine = loci_of(branch, parameter)
     admissible = admissible_segments(branch)
     coloured = [
@@ -167,10 +170,13 @@ def _draw(
         zorder=3.2,
         gid=f"{branch.name}-dots",
     )
+    marked = {}
     for row, mark in zip(_ends(branch), (_START, _END), strict=True):
         if (branch.name, float(branch.points["s"][row])) in joints:
             continue
+        marked[mark["label"]] = row
         ax.plot(loci[row].real, loci[row].imag, **{**mark, "gid": f"{branch.name}-{mark['label']}"})
+    return marked
 
 
 def _joined(a: complex, b: complex) -> np.ndarray:
@@ -187,16 +193,16 @@ def _ends(branch: Branch) -> tuple[int, int]:
     return (-1, 0) if backward else (0, -1)
 
 
-def _legend(ax: Axes, parameter: str, branches: Sequence[Branch], colors: Sequence[np.ndarray]) -> None:
+def _legend(
+    ax: Axes, parameter: str, branches: Sequence[Branch], marked: Mapping[str, Sequence[float]]
+) -> None:
     handles = []
-    for end, mark in enumerate((_START, _END)):
-        shown = {
-            color[_ends(branch)[end]] for branch, color in zip(branches, colors, strict=True) if len(branch)
-        }
-        at = f": {parameter} = {shown.pop():g}" if len(shown) == 1 else ""
-        handles.append(Line2D([], [], **{**mark, "label": f"{mark['label']}{at}"}))
+    for mark in (_START, _END):
+        if shown := set(marked.get(mark["label"], ())):
+            at = f": {parameter} = {shown.pop():g}" if len(shown) == 1 else ""
+            handles.append(Line2D([], [], **{**mark, "label": f"{mark['label']}{at}"}))
     if any(not admissible_segments(branch).all() for branch in branches):
-        handles.insert(1, Line2D([], [], color=INK, linewidth=THIN, label="thin: not admissible"))
+        handles.append(Line2D([], [], color=INK, linewidth=THIN, label="thin: not admissible"))
     legend_above(ax, handles, handletextpad=0.3)
 
 

@@ -103,7 +103,7 @@ def _fill(ax: Axes, net: Triangulation, value: np.ndarray, units: Mapping[str, s
         border = ax.tricontour(net, value, levels=[0.0], colors=INK, linewidths=1.6)
         border.set_gid("border")
     bar = ax.figure.colorbar(filled, ax=ax, spacing="uniform", pad=0.02, aspect=28)
-    bar.set_label(axis_label(QUANTITY, dict(units or {})), fontsize=10, color=INK)
+    bar.set_label(axis_label(QUANTITY, units), fontsize=10, color=INK)
     bar.ax.tick_params(labelsize=8.5, width=0.7, length=3)
     bar.outline.set_linewidth(0.7)
 

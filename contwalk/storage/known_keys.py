@@ -44,6 +44,7 @@ class Provenance(TypedDict, total=False):
     plugin_files: Mapping[str, str]
     equations_sha256: str
     units: Mapping[str, str] | None
+    called: Mapping[str, str]
     engine: Mapping[str, Any]
     accuracy: float
     widened: bool

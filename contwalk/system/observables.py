@@ -18,6 +18,7 @@ class Observable:
     An equilibrium is handed over as a motion of one instant (k = 1). A motion through events has two
     instants at each: before and after. With `at` the number belongs to an event instead: `t` is its time and
     `x`, shape (n,), the state before or after it (`side`), where it happens for the first time in a period.
+    `latex` is how figures write its name.
     """
 
     name: str
@@ -26,10 +27,11 @@ class Observable:
     about: str = ""
     at: str | None = None
     side: str = "before"
+    latex: str = ""
 
     def __post_init__(self) -> None:
         require_name("An observable", self.name)
-        require_texts(f"Observable '{self.name}'", self, "unit", "about")
+        require_texts(f"Observable '{self.name}'", self, "unit", "about", "latex")
         require_callable(f"The function of observable '{self.name}'", self.function)
         require_side(f"Observable '{self.name}'", self.side)
 

@@ -30,6 +30,8 @@ class State:
         For an angle, its period (`2 * math.pi`): states that differ by it are the same motion.
     start : float, optional
         Its value where motions may begin: with those of the other states, what `contwalk init` writes.
+    latex : str
+        How figures write its name, `\\beta_1`; by default the name.
     """
 
     name: str
@@ -38,10 +40,11 @@ class State:
     about: str = ""
     period: float | None = None
     start: float | None = None
+    latex: str = ""
 
     def __post_init__(self) -> None:
         require_name("A state", self.name)
-        require_texts(f"State '{self.name}'", self, "unit", "about")
+        require_texts(f"State '{self.name}'", self, "unit", "about", "latex")
         for what, value in (("scale", self.scale), ("period", self.period)):
             if value is not None and not (is_number(value) and 0 < value < math.inf):
                 raise SystemDefinitionError(
@@ -60,19 +63,23 @@ def declared_scales(states: Sequence[State]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter, with its default, unit, bounds (`None` where unbounded) and one line of meaning."""
+    """One parameter, with its default, unit, bounds (`None` where unbounded) and one line of meaning.
+
+    `latex` is how figures write its name, as of a `State`.
+    """
 
     name: str
     default: float
     unit: str = "1"
     bounds: tuple[float | None, float | None] = (None, None)
     about: str = ""
+    latex: str = ""
     # Whether it is the value of a conserved quantity.
     conserved: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         require_name("A parameter", self.name)
-        require_texts(f"Parameter '{self.name}'", self, "unit", "about")
+        require_texts(f"Parameter '{self.name}'", self, "unit", "about", "latex")
         if not is_number(self.default):
             raise SystemDefinitionError(
                 f"Parameter '{self.name}' has the default {self.default!r}.", "A default is a number."

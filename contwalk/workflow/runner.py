@@ -244,6 +244,7 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
 
     from contwalk.plotting.quantities import units_of
 
+    units = units_of(run_file.system)
     files = files_of(run_file.system, run_file.system_reference, run_file.path.parent)
     return {
         **versions_and_processor(),
@@ -256,7 +257,8 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
         "system_reference": run_file.system_reference,
         "plugin_sha256": run_file.system.source,
         "plugin_files": files,
-        "units": units_of(run_file.system),
+        "units": dict(units),
+        "called": units.called,
         "equations_sha256": equations_hash(run_file),
         "accuracy": run_file.accuracy,
         "engine": dict(run_file.engine),

@@ -308,7 +308,7 @@ def test_names_of_many_points_lie_within_the_axes_and_the_others_are_told():
 
 def test_multipliers_of_branches_of_one_name_are_told_apart():
     axes = plot_multiplier_panels([orbits(0.5 + MU), orbits(0.4 + MU)])
-    assert [axes[k].texts[-1].get_text().split(",")[0] for k in (0, 2)] == ["b1", "b2"]
+    assert [axes[k].get_title("left").split(",")[0] for k in (0, 2)] == ["b1", "b2"]
 
 
 def test_multipliers_of_full_orbits_are_powers_of_those_of_their_closures():
