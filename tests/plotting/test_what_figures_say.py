@@ -10,8 +10,14 @@ from synthetic_branches import branch, fold, pitchfork
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.errors import ContwalkError, SystemDefinitionError
-from contwalk.plotting import plot_bifurcation_diagram, plot_eigenvalues, plot_locus, plot_multipliers
-from contwalk.plotting import plot_phase_portrait, units_of
+from contwalk.plotting import (
+    plot_bifurcation_diagram,
+    plot_eigenvalues,
+    plot_locus,
+    plot_multipliers,
+    plot_phase_portrait,
+    units_of,
+)
 from contwalk.plotting.quantities import axis_label
 from contwalk.special_point import told_what
 from contwalk.system import Mode, Parameter, State, System
@@ -115,7 +121,7 @@ def test_dashes_of_an_orbit_that_goes_back_on_its_own_way_are_drawn_once():
 
 
 def test_a_part_that_is_looked_at_closely_has_no_corners():
-    """x = mu^2 in steps of 0.1, whose chords are 0.0025 off it: a step alone is drawn to 1e-3 of its height."""
+    """x = mu^2 in steps of 0.1, whose chords are 0.0025 off it: a step alone is drawn to 1e-3 of it."""
     mu = np.linspace(-1.0, 1.0, 21)
     made = branch({"mu": mu, "x": mu**2}, s=mu)
     made.points["tangent"] = np.stack([2.0 * mu, np.ones(21)], axis=1)
