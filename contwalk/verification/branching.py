@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.verification.equations import Equations, Evaluation
@@ -52,6 +54,10 @@ class Unfolded(Equations):
             at.trivial,
             at.legs,
         )
+
+    def inner(self, at: Evaluation) -> Evaluation:
+        """The same place without e."""
+        return replace(at, z=np.delete(at.z, self.own))
 
     def condition(self, number: int) -> Condition:
         """One of the numbers that all are zero where the derivatives lose a rank."""

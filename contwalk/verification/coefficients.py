@@ -1,57 +1,111 @@
-"""Normal forms by finite differences of the record's own equations."""
+"""Normal forms of equilibria by finite differences of the record's own equations.
+
+Notation and formulas of Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 2004, section 5.4;
+derivatives of the Jacobian are central differences at two steps, the smaller of which loses as much to
+rounding as to its order.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 
 from contwalk.verification.equilibrium import EquilibriumEquations
-from contwalk.verification.passage import EPSILON
+from contwalk.verification.normal_forms import NODES, Told, bordered, critical, shares, widest
+
+Form = Callable[["Bent"], float]
 
 
-def lyapunov(equations: EquilibriumEquations, z: np.ndarray, omega: float) -> tuple[float, float]:
-    """The first Lyapunov coefficient of a Hopf point z, (N + k,), and how exactly differences tell it.
+class Bent:
+    """The field across what is pinned, with derivatives of its Jacobian.
 
-    Kuznetsov 2004, eq. 5.34, with <q, q> = <p, q> = 1. Derivatives of the Jacobian are central differences at
-    two steps, the smaller of which loses as much to rounding as to its order.
+    Parameters
+    ----------
+    equations : EquilibriumEquations
+    z : ndarray, shape (N + k,)
+    step : float
+        Of differences, in sizes of the states.
+
+    Raises
+    ------
+    CannotTell
+        If pinned directions are not straight.
     """
-    values = [_lyapunov(equations, z, omega, times * EPSILON**0.25) for times in (1.0, 2.0)]
-    return values[0], abs(values[1] - values[0])
 
+    def __init__(self, equations: EquilibriumEquations, z: np.ndarray, step: float) -> None:
+        self.equations, self.z, self.step, self.n = equations, z, step, equations.size
+        self.sizes = equations.sizes[: self.n]
+        self.across = equations.across(z)
+        self.matrix = self.at(np.zeros(self.across.shape[1]))
+        self.by_free = self.across.T @ equations.at(z, 0.0).jacobian[: self.n, self.n :]
 
-def _lyapunov(equations: EquilibriumEquations, z: np.ndarray, omega: float, step: float) -> float:
-    n, sizes = equations.size, equations.sizes[: equations.size]
+    def at(self, moved: np.ndarray) -> np.ndarray:
+        """The Jacobian at a place beside, both in coordinates across: shapes (r,) and (r, r)."""
+        z = self.z.copy()
+        z[: self.n] += self.across @ moved
+        matrix = self.equations.at(z, 0.0).jacobian[: self.n, : self.n]
+        return np.asarray(self.across.T @ matrix @ self.across)
 
-    def jacobian(moved: np.ndarray) -> np.ndarray:
-        return equations.at(np.concatenate([z[:n] + moved, z[n:]]), 0.0).jacobian[:n, :n]
+    def _length(self, u: np.ndarray) -> float:
+        return self.step / max(float(np.max(np.abs(self.across @ u) / self.sizes)), 1e-300)
 
-    def unit(u: np.ndarray) -> float:
-        return step / max(float(np.max(np.abs(u / sizes))), 1e-300)
-
-    def first(u: np.ndarray) -> np.ndarray:
-        """The Jacobian's derivative along a real direction."""
+    def first(self, u: np.ndarray) -> np.ndarray:
+        """B(u, .) of a real or complex direction, shape (r, r)."""
+        if np.iscomplexobj(u):
+            return self.first(u.real) + 1j * self.first(u.imag)
         if not u.any():
-            return np.zeros((n, n))
-        h = unit(u)
-        return (jacobian(h * u) - jacobian(-h * u)) / (2.0 * h)
+            return np.zeros_like(self.matrix)
+        return self._differences(u, 1)
 
-    def second(u: np.ndarray) -> np.ndarray:
-        h = unit(u)
-        return (jacobian(h * u) - 2.0 * matrix + jacobian(-h * u)) / (h * h)
+    def second(self, u: np.ndarray) -> np.ndarray:
+        """C(u, u, .) of a real direction, shape (r, r)."""
+        return self._differences(u, 2)
 
-    def along(u: np.ndarray) -> np.ndarray:
-        return first(u.real) + 1j * first(u.imag)
+    def _differences(self, u: np.ndarray, order: int) -> np.ndarray:
+        """A derivative of the Jacobian along a direction, shape (r, r)."""
+        h = self._length(u)
+        values = [self.at(k * h * u) if k else self.matrix for k in NODES]
+        return np.asarray(np.tensordot(shares(order), np.array(values), 1)) / h**order
 
-    matrix = jacobian(np.zeros(n))
-    q, p = _vector(matrix, 1j * omega), _vector(matrix.T, -1j * omega)
-    q = q / np.linalg.norm(q)
-    p = p / np.conj(np.vdot(p, q))
-    a, b = q.real, q.imag
-    cubic = second(a) - second(b) + 0.5j * (second(a + b) - second(a - b))
-    by_q, bar = along(q), np.conj(q)
-    mean = np.linalg.solve(matrix, by_q @ bar)
-    twice = np.linalg.solve(2j * omega * np.eye(n) - matrix, by_q @ q)
-    whole = cubic @ bar - 2.0 * by_q @ mean + np.conj(by_q) @ twice
-    return float(np.vdot(p, whole).real) / (2.0 * omega)
+
+def told(equations: EquilibriumEquations, z: np.ndarray, form: Form) -> Told:
+    """A coefficient at z, shape (N + k,), and how exactly differences tell it."""
+    values = [form(Bent(equations, z, times * widest())) for times in (1.0, 0.5)]
+    return Told(values[1], abs(values[1] - values[0]))
+
+
+def lyapunov(omega: float) -> Form:
+    """The first Lyapunov coefficient of a Hopf point (eq. 5.34, with <q, q> = <p, q> = 1)."""
+
+    def form(bent: Bent) -> float:
+        matrix = bent.matrix
+        q, p = _vector(matrix, 1j * omega), _vector(matrix.T, -1j * omega)
+        q = q / np.linalg.norm(q)
+        p = p / np.conj(np.vdot(p, q))
+        a, b = q.real, q.imag
+        cubic = bent.second(a) - bent.second(b) + 0.5j * (bent.second(a + b) - bent.second(a - b))
+        by_q, bar = bent.first(q), np.conj(q)
+        mean = np.linalg.solve(matrix, by_q @ bar)
+        twice = np.linalg.solve(2j * omega * np.eye(len(matrix)) - matrix, by_q @ q)
+        whole = cubic @ bar - 2.0 * by_q @ mean + np.conj(by_q) @ twice
+        return float(np.vdot(p, whole).real) / (2.0 * omega)
+
+    return form
+
+
+def pitchfork(bent: Bent) -> float:
+    """c of y' = c y^3 along the critical vector, |q| = 1, p.q = 1."""
+    q, p = critical(bent.matrix, 0j)
+    by_q = bent.first(q)
+    h = bordered(bent.matrix, q, p, by_q @ q)
+    return float(p @ (bent.second(q) @ q - 3.0 * by_q @ h)) / 6.0
+
+
+def fold(bent: Bent) -> float:
+    """a b of y' = b mu + a y^2, which no length of q changes."""
+    q, p = critical(bent.matrix, 0j)
+    return 0.5 * float(p @ bent.first(q) @ q) * float(p @ bent.by_free[:, 0])
 
 
 def _vector(matrix: np.ndarray, value: complex) -> np.ndarray:

@@ -28,6 +28,10 @@ BOTH = {
 }
 
 
+# Labels of one condition of eigenvalues or of singular equations.
+SPECTRAL = ("LP", "PD", "NS", "HB")
+
+
 def spectral(label: str, spectrum: Sequence[complex], equations: Equations, sheet: Sheet) -> list[Condition]:
     """The conditions of a label that eigenvalues or the equations themselves define, if it is one."""
     values, taken = np.array(spectrum, dtype=complex), list[int]()
@@ -40,7 +44,7 @@ def spectral(label: str, spectrum: Sequence[complex], equations: Equations, shee
     if label == "BT":
         zeros = _Pair(values, _closest(values, [0j, 0j]))
         return [zeros.sum, zeros.product]
-    if label in ("CP", "CPC"):
+    if label == "CP":
         return _cusp(sheet)
     return _one(label, values, taken, equations, sheet)
 
@@ -93,8 +97,6 @@ def _cusp(sheet: Sheet) -> list[Condition]:
         ahead, behind = (fold(equations.at(at.z + s * along, 0.0)) for s in (step, -step))
         return (ahead - behind) / (2.0 * step)
 
-    if equations.unit:
-        raise CannotTell("The second condition of a cusp of orbits is not recomputed.")
     start = np.linalg.svd(sheet.along[n:] / equations.sizes[n:, None])[2][-1]
     return [fold, bend]
 

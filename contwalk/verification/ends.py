@@ -38,7 +38,10 @@ def checked_end(system: System, branch: Branch, end: SpecialPoint, ranges: Range
         if word == "bound":
             verdict, reason = _bound(branch, end, ranges)
         elif word in LIMITS:
-            met = any(point.label == LIMITS[word] and point.s == end.s for point in branch.special_points)
+            # Beside it a curve in two parameters may be at something else: GRNS.
+            met = any(
+                point.label.startswith(LIMITS[word]) and point.s == end.s for point in branch.special_points
+            )
             verdict, reason = _told(met, f"no {LIMITS[word]} is there")
         elif word == "closed":
             verdict, reason = _closed(system, branch)

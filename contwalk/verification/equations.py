@@ -129,10 +129,15 @@ def pin_rows(
 
 def without(matrix: np.ndarray, lefts: Sequence[np.ndarray], rights: Sequence[np.ndarray]) -> np.ndarray:
     """A matrix, (n, n), on what known left vectors let free, but for known right vectors: shape (r, r)."""
-    kept = _beside(np.array(lefts).reshape(-1, len(matrix)))
-    own = np.array([kept.T @ right for right in rights]).reshape(-1, kept.shape[1])
-    kept = kept @ _beside(own)
+    kept = basis(np.array(lefts).reshape(-1, len(matrix)), rights)
     return np.asarray(kept.T @ matrix @ kept)
+
+
+def basis(lefts: np.ndarray, rights: Sequence[np.ndarray]) -> np.ndarray:
+    """Orthonormal directions, shape (n, r), that left vectors, (j, n), let free, but for right vectors."""
+    kept = _beside(lefts)
+    own = np.array([kept.T @ right for right in rights]).reshape(-1, kept.shape[1])
+    return np.asarray(kept @ _beside(own))
 
 
 def _beside(rows: np.ndarray) -> np.ndarray:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from contwalk.branch import BranchInfo
 from contwalk.system import System
-from contwalk.verification.equations import Equations, Evaluation, pin_rows, without
+from contwalk.verification.equations import Equations, Evaluation, basis, pin_rows, without
+from contwalk.verification.finding import CannotTell
 from contwalk.verification.functions import Functions, Parameters
 
 
@@ -35,8 +38,7 @@ class EquilibriumEquations(Equations):
         f, moved = self.functions.field(self.mode)(0.0, z[:n], p)
         held, rows, directions = pin_rows(self.functions, self.info, self.mode, self.z[:n], z[:n], p)
         matrix = moved[:, 1 : 1 + n]
-        lefts = [v for v in directions if np.linalg.norm(v @ matrix) < np.linalg.norm(matrix @ v)]
-        rights = [v for v in directions if not any(v is left for left in lefts)]
+        lefts, rights = _sides(matrix, directions)
         return Evaluation(
             z,
             np.concatenate([f, held]),
@@ -44,3 +46,30 @@ class EquilibriumEquations(Equations):
             without(matrix, lefts, rights),
             relative,
         )
+
+    def across(self, z: np.ndarray) -> np.ndarray:
+        """Orthonormal directions, shape (n, r), across what is pinned at z, shape (N + k,).
+
+        Raises
+        ------
+        CannotTell
+            If the pinned directions are others beside the place: then no plane is across all of them.
+        """
+        n, p = self.size, self.functions.parameters.at(z[self.size :])
+        system, pins = self.functions.system, self.info.settings.get("pins", ())
+        _, moved = self.functions.field(self.mode)(0.0, z[:n], p)
+        for pin in system.neutral:
+            if (
+                pin.name in pins
+                and self.functions.generator(pin, self.mode)(0.0, z[:n], p)[1][:, 1 : 1 + n].any()
+            ):
+                raise CannotTell("Directions that are held are bent: no plane is across them.")
+        _, _, directions = pin_rows(self.functions, self.info, self.mode, self.z[:n], z[:n], p)
+        lefts, rights = _sides(moved[:, 1 : 1 + n], directions)
+        return basis(np.array(lefts).reshape(-1, n), rights)
+
+
+def _sides(matrix: np.ndarray, directions: Sequence[np.ndarray]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Of pinned directions, (n,), those that are left vectors of a matrix, (n, n), and the others."""
+    lefts = [v for v in directions if np.linalg.norm(v @ matrix) < np.linalg.norm(matrix @ v)]
+    return lefts, [v for v in directions if not any(v is left for left in lefts)]

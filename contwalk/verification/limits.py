@@ -24,6 +24,15 @@ KINDS = {
     "OC": (DURATION, START, END, TOUCH),
     "AZ": (CONDITION, TOUCH, START, END),
 }
+# The numbers that a stored curve of limits is of, by its test.
+TESTS = {
+    "dip": TOUCH,
+    "rate": RATE,
+    "duration": DURATION,
+    "start": START,
+    "end": END,
+    "condition": CONDITION,
+}
 _INSTANT = re.compile(r"touched ([-+.0-9e]+)")
 
 
@@ -38,9 +47,7 @@ class Number:
     scale: float
 
 
-def limit(
-    label: str, point: SpecialPoint, stored: Mapping[str, Any], equations: OrbitEquations, begin: Evaluation
-) -> Condition:
+def limit(label: str, point: SpecialPoint, equations: OrbitEquations, begin: Evaluation) -> Condition:
     """The condition of a limit: the number that the record names, on its leg, at its instant.
 
     Parameters
@@ -49,23 +56,38 @@ def limit(
         That of the limit, which may be a part of the point's.
     point : SpecialPoint
         Its kind, or its note, names a guard or a condition.
-    stored : mapping
-        The limit that a curve in two parameters is of, which has a name; empty for other branches.
     """
     named = re.findall(r"'([^']+)'", point.note or "")
-    name = str(stored.get("name") or (named[0] if named else point.kind))
+    name = named[0] if named else str(point.kind)
     kinds = KINDS[label]
-    if not stored and "no rate" in (point.note or ""):
+    if "no rate" in (point.note or ""):
         kinds = (RATE,)
     found = [each for kind in kinds for each in numbers(equations, begin, name, kind)]
     if not found:
         raise CannotTell(f"The orbit has no number '{name}' that could be zero.")
     told = _INSTANT.search(point.note or "")
-    if told and not stored and any(each.kind == TOUCH for each in found):
+    if told and any(each.kind == TOUCH for each in found):
         found = [each for each in found if each.kind == TOUCH]
         best = min(found, key=lambda each: abs(each.instant - float(told[1])))
     else:
         best = min(found, key=lambda each: abs(each.value) / each.scale)
+    return _kept_zero(equations, best, name)
+
+
+def limit_of_curve(stored: Mapping[str, Any], equations: OrbitEquations, begin: Evaluation) -> Condition:
+    """The condition of all points of a curve of limits: the number that the curve is stored with."""
+    kind, name = TESTS.get(str(stored["test"])), str(stored["name"])
+    if kind is None:
+        raise CannotTell(f"What '{name}' does where it is entered past zero is not recomputed.")
+    found = list(numbers(equations, begin, name, kind))
+    if not found:
+        raise CannotTell(f"The orbit has no number '{name}' that could be zero.")
+    of_leg = [each for each in found if each.leg == int(stored["leg"])]
+    return _kept_zero(equations, min(of_leg or found, key=lambda each: abs(each.value) / each.scale), name)
+
+
+def _kept_zero(equations: OrbitEquations, best: Number, name: str) -> Condition:
+    """That a number is zero, beside the place where it was found."""
 
     def condition(at: Evaluation) -> float:
         same = [each for each in numbers(equations, at, name, best.kind) if each.leg == best.leg]

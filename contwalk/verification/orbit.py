@@ -6,6 +6,7 @@ where deviations grow on it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -88,10 +89,11 @@ class OrbitEquations(Equations):
         values = ParameterValues(**self.functions.parameters.by_name(free))
         return float(called("period", self.functions.system.period, values))
 
-    def settle(self, relative: float, most: float = 1e2) -> None:
+    def settle(self, relative: float, most: float = 1e2, looked: int = 8, cuts: int = 64) -> None:
         """Cut legs on which deviations grow, at states of a first motion; see how large the states are.
 
-        On one piece they grow `most` times at most: the equations are known to as many digits less.
+        On one piece they grow `most` times at most: the equations are known to as many digits less. Over
+        `looked` parts of a leg it is looked at how they grow; it has `cuts` pieces at most.
         """
         legs = self.at(self.z, relative).legs
         states, free = [], self.free
@@ -99,28 +101,28 @@ class OrbitEquations(Equations):
             whole = leg.pieces[0]
             for i, size in zip(self._states(leg.mode), np.abs(whole.states).max(axis=0), strict=True):
                 self.scale[i] = max(self.scale[i], size)
-            growth = float(np.linalg.norm(whole.derivative[:, 1 : 1 + len(self.first[number])], 2))
-            cuts = 1 + int(max(np.log(max(growth, 1.0)) / np.log(most), 0.0))
-            self.cuts[number] = cuts
-            x = self.first[number]
-            states.append(x)
-            for i in range(1, cuts):
-                begin = leg.start + leg.duration * (i - 1) / cuts
-                piece = passed(
-                    self.functions,
-                    leg.mode,
-                    begin,
-                    x,
-                    leg.duration / cuts,
-                    self.functions.parameters.at(free),
-                    self._scale(leg.mode),
-                    relative,
-                )
-                x = piece.end
-                states.append(x)
+            pieces = [whole]
+            inner = self._cut(number, leg, looked, relative)
+            if max(_grown(inner, looked)) > most:  # deviations that shrink again have grown all the same
+                pieces = inner
+            while len(pieces) < cuts and max(_grown(pieces, 1)) > most:
+                pieces = self._cut(number, leg, 2 * len(pieces), relative)
+            self.cuts[number] = len(pieces)
+            states += [self.first[number], *(piece.end for piece in pieces[:-1])]
         tail = self.z[self.size - self.count - 1 : self.size]
         self._lay(states, tail[:-1], float(tail[-1]), free)
         self.fixed = [float(d) / c for d, c in zip(tail[:-1], self.cuts, strict=True)]
+
+    def _cut(self, number: int, leg: Leg, cuts: int, relative: float) -> list[Passage]:
+        """A leg in pieces of one duration."""
+        x, p, found = self.first[number], self.functions.parameters.at(self.free), list[Passage]()
+        each = leg.duration / cuts
+        for i in range(cuts):
+            begin = leg.start + each * i
+            piece = passed(self.functions, leg.mode, begin, x, each, p, self._scale(leg.mode), relative)
+            found.append(piece)
+            x = piece.end
+        return found
 
     def _states(self, mode: str) -> tuple[int, ...]:
         return self.functions.system.states_of(mode)
@@ -138,6 +140,15 @@ class OrbitEquations(Equations):
             work.leg(number)
         work.closed()
         return work.evaluation()
+
+
+def _grown(pieces: list[Passage], most: int) -> Iterator[float]:
+    """By how much deviations grow over each of some pieces, and over several up to so many in a row."""
+    for i in range(len(pieces)):
+        product = np.eye(len(pieces[i].end))
+        for piece in pieces[i : i + most]:
+            product = piece.derivative[:, 1 : 1 + len(product)] @ product
+            yield float(np.linalg.norm(product, 2))
 
 
 class _Assembly:

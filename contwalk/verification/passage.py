@@ -86,13 +86,37 @@ def passed(
         t, y = float(found.t[-1]), found.y[:, -1]
         if found.status == 0:
             break
-        switch = next(
-            soft for soft, at in zip(_soft(functions, mode), found.t_events, strict=True) if len(at)
-        )
-        mode = switch.target
+        mode = _switched(functions, mode, found).target
     field = functions.field(mode)
     rate, _ = field(t, y[:n], p)
     return Passage(np.concatenate(times), np.vstack(states), y[:n], y[n:].reshape(n, width), rate, mode)
+
+
+def reached(
+    functions: Functions,
+    mode: str,
+    start: float,
+    x: np.ndarray,
+    duration: float,
+    p: np.ndarray,
+    scale: np.ndarray,
+    relative: float,
+) -> tuple[np.ndarray, str]:
+    """As `passed`, without derivatives: the end of a motion, shape (n,), and the mode there."""
+    motion = _Motion(functions, p, relative, scale, 0)
+    t, end, mode = start, start + duration, _settled(functions, mode, start, x, p)
+    while True:
+        found = motion.followed(mode, t, x, end)
+        t, x = float(found.t[-1]), found.y[:, -1]
+        if found.status == 0:
+            return x, mode
+        mode = _switched(functions, mode, found).target
+
+
+def _switched(functions: Functions, mode: str, found: Any) -> Any:
+    """The soft transition at which a motion came to its end."""
+    ended = zip(_soft(functions, mode), found.t_events, strict=True)
+    return next(soft for soft, at in ended if len(at))
 
 
 @dataclass(frozen=True)
@@ -119,6 +143,8 @@ class _Motion:
             if functions.calls > MOST_CALLS:
                 raise CannotIntegrate("SciPy's DOP853 takes too many steps: the field is stiff there.")
             f, moved = field.linear(t, y[:n])
+            if not width:
+                return f.copy()
             whole[1 : 1 + n] = y[n:].reshape(n, width)
             rates = np.empty(len(y))
             rates[:n] = f

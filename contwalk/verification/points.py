@@ -11,8 +11,12 @@ from contwalk.branch import Branch, SpecialPoint
 from contwalk.labels import LOCUS, MARK
 from contwalk.system import System
 from contwalk.verification.branching import Unfolded
-from contwalk.verification.conditions import BOTH, RESONANCES, spectral
-from contwalk.verification.equations import Equations
+from contwalk.verification.conditions import BOTH, RESONANCES, SPECTRAL, spectral
+from contwalk.verification.curves import SYMMETRY_BREAKING, of_curve, unfolds
+from contwalk.verification.declared import boundary, kind_of, own_test
+from contwalk.verification.degenerate import ON, vanishing
+from contwalk.verification.equations import Equations, Evaluation
+from contwalk.verification.equilibrium import EquilibriumEquations
 from contwalk.verification.finding import (
     AGREES,
     CANNOT_TELL,
@@ -33,6 +37,8 @@ from contwalk.verification.words import told
 
 # A grazing orbit at something else as well.
 GRAZINGS = ("GRLP", "GRPD", "GRNS")
+# Points of curves whose own conditions say what the curve is of.
+WHOLE = (*BOTH, *RESONANCES, "BT", "CP")
 # A record that moved by so many of its errors is to be told, so the second computation is as exact as that.
 MOVED = 100.0
 
@@ -87,19 +93,14 @@ def _defined(
 ) -> tuple[Equations, Callable[[Sheet], list[Condition]]]:
     """A point's equations, and what defines it beside them."""
     equations = equations_of(system, branch, point)
-    labels = [point.label]
-    if branch.info.problem == LOCUS and point.label not in (*BOTH, *RESONANCES, "BT", "CP", "CPC"):
-        labels = [str(branch.info.settings["of"]), point.label]
-    if point.label in GRAZINGS:
-        labels = ["GR", point.label[2:]]
-    if "BP" in labels:
-        if point.kind == "symmetry-breaking" and branch.info.closure not in (None, "full"):
-            labels[labels.index("BP")] = "PD"  # the multiplier -1 of the map of a half
-        else:
-            equations = Unfolded(equations)
+    curve = branch.info.problem == LOCUS and (point.label not in WHOLE or unfolds(branch))
+    labels = _parts(branch, point)
+    if unfolds(branch) or "BP" in labels:
+        equations = Unfolded(equations)
 
     def conditions(sheet: Sheet) -> list[Condition]:
-        found = [each for label in labels for each in _one(label, branch, point, equations, sheet)]
+        found = of_curve(branch, point.spectrum, equations, sheet) if curve else []
+        found += [each for label in labels for each in _one(label, branch, point, equations, sheet)]
         if len(found) < sheet.along.shape[1]:
             raise CannotTell(f"What defines {point.label} is not recomputed.")
         return found
@@ -107,25 +108,53 @@ def _defined(
     return equations, conditions
 
 
+def _parts(branch: Branch, point: SpecialPoint) -> list[str]:
+    """What a point is, as labels: one, or of a curve what it is beside that."""
+    label, of = point.label, str(branch.info.settings.get("of"))
+    if label in GRAZINGS:
+        return [label[2:] if of == "GR" else "GR"]
+    if label == "GRGR":
+        return ["GR"]
+    halved = branch.info.closure not in (None, "full")
+    if label == "BP" and point.kind == SYMMETRY_BREAKING and halved:
+        return ["PD"]  # the multiplier -1 of the map of a half
+    return [label]
+
+
 def _one(
     label: str, branch: Branch, point: SpecialPoint, equations: Equations, sheet: Sheet
 ) -> list[Condition]:
     """What one label demands."""
-    if isinstance(equations, Unfolded) and label == "BP":
-        return equations.conditions
+    if isinstance(equations, Unfolded):
+        if label == "BP":
+            return equations.conditions
+        if label not in (MARK, *RESONANCES, *SPECTRAL):
+            own = _one_of(label, point, equations.equations, equations.inner(sheet.begin))
+            return [lambda at: own(equations.inner(at))]
     if label == MARK:
         return [mark(branch, point, equations, sheet)]
-    if label in KINDS and isinstance(equations, OrbitEquations):
-        stored = branch.info.settings.get("limit", {}) if label == branch.info.settings.get("of") else {}
-        return [limit(label, point, stored, equations, sheet.begin)]
+    if label in ON or label in KINDS or label == "BE" or kind_of(equations.functions.system, label):
+        return [_one_of(label, point, equations, sheet.begin)]
     return spectral(label, point.spectrum, equations, sheet)
+
+
+def _one_of(label: str, point: SpecialPoint, equations: Equations, begin: Evaluation) -> Condition:
+    """The condition of a label that is neither one of eigenvalues nor of a mark."""
+    if label in ON:
+        return vanishing(label, equations)
+    if label in KINDS and isinstance(equations, OrbitEquations):
+        return limit(label, point, equations, begin)
+    if label == "BE" and isinstance(equations, EquilibriumEquations):
+        return boundary(point, equations)
+    if (declared := kind_of(equations.functions.system, label)) is not None:
+        return own_test(declared, begin)
+    raise CannotTell(f"What defines {label} is not recomputed.")
 
 
 def _lost(begun: Finding, failure: NotThere, size: int, stored: np.ndarray, errors: np.ndarray) -> Finding:
     """A point to which Newton's method does not come back: its first step says how far it would be."""
-    away = float(
-        np.max(np.abs(failure.first[size:]) / np.maximum(SLACK * errors, np.spacing(np.abs(stored))))
-    )
+    allowed = SLACK * (errors + failure.noise[size:])
+    away = float(np.max(np.abs(failure.first[size:]) / np.maximum(allowed, np.spacing(np.abs(stored)))))
     if away > 1.0:
         return replace(begun, verdict=DISAGREES, reason="what defines it has no solution near it")
     return replace(begun, reason=str(failure))

@@ -10,7 +10,7 @@ from contwalk.branch import Branch
 from contwalk.labels import LOCUS
 from contwalk.system import System
 from contwalk.verification.branching import Unfolded
-from contwalk.verification.conditions import spectral
+from contwalk.verification.curves import of_curve, unfolds
 from contwalk.verification.equations import Equations
 from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, Finding
 from contwalk.verification.orbit import OrbitEquations
@@ -29,7 +29,7 @@ def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
     )
     try:
         equations = equations_of(system, branch, row)
-        if str(branch.info.settings.get("of")) == "BP":
+        if unfolds(branch):
             equations = Unfolded(equations)
         sheet = Sheet(equations, COARSER * TIGHT)
         found = solved(sheet, _conditions(branch, row, equations, sheet))
@@ -41,21 +41,9 @@ def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
     return result
 
 
-def of_curve(branch: Branch, row: int, equations: Equations, sheet: Sheet) -> list[Condition]:
-    """What all points of a curve in two parameters are; nothing of other branches."""
-    if branch.info.problem != LOCUS:
-        return []
-    of = str(branch.info.settings["of"])
-    if isinstance(equations, Unfolded):
-        return equations.conditions
-    if not (own := spectral(of, branch.points["spectrum"][row], equations, sheet)):
-        raise CannotTell(f"What defines a curve of {of} is not recomputed.")
-    return own
-
-
 def _conditions(branch: Branch, row: int, equations: Equations, sheet: Sheet) -> list[Condition]:
     """What a curve is of, and that nothing moves along it."""
-    if not (own := of_curve(branch, row, equations, sheet)):
+    if not (own := of_curve(branch, branch.points["spectrum"][row], equations, sheet)):
         normal = np.linalg.pinv(sheet.along)[0]
         return [lambda at: float(normal @ (at.z - equations.z))]
     free, sizes = slice(equations.size, None), equations.sizes[equations.size :]

@@ -107,10 +107,16 @@ def solved(sheet: Sheet, conditions: list[Condition]) -> Solution:
         if np.max(np.abs(values)) > ROUGH:
             raise NotThere(np.full(len(equations.z), np.inf))
         raise CannotTell("What defines the point does not change along the branch there.")
-    coarse, first, slopes = _newton(sheet, conditions, sheet.begin, slopes, COARSER * TIGHT)
-    # Of equilibria only rounding differs: the second time they are solved from elsewhere.
-    begin = coarse.z if equations.unit else coarse.z + (coarse.z - equations.z)
-    fine, _, _ = _newton(sheet, conditions, equations.at(begin, TIGHT), slopes, TIGHT)
+    steepness = slopes
+    try:
+        coarse, first, slopes = _newton(sheet, conditions, sheet.begin, slopes, COARSER * TIGHT)
+        # Of equilibria only rounding differs: the second time they are solved from elsewhere.
+        begin = coarse.z if equations.unit else coarse.z + (coarse.z - equations.z)
+        fine, _, _ = _newton(sheet, conditions, equations.at(begin, TIGHT), slopes, TIGHT)
+    except NotThere as failure:
+        again = _values(conditions, equations.at(equations.z, TIGHT)) - values
+        failure.noise = np.abs(sheet.along @ np.linalg.lstsq(steepness, again, rcond=None)[0])
+        raise
     again = equations.at(fine.z, COARSER * TIGHT)  # what the tolerance makes of the conditions themselves
     away = sheet.along @ np.linalg.lstsq(slopes, _values(conditions, again), rcond=None)[0]
     error = np.maximum(np.abs(fine.z - coarse.z), np.abs(away)) + np.spacing(np.abs(fine.z))
@@ -151,11 +157,14 @@ def _newton(
 
 
 class NotThere(CannotTell):
-    """Newton's method from the record's place does not converge; `first`, (N + k,), is its first step."""
+    """Newton's method from the record's place does not converge.
+
+    `first`, (N + k,), is its first step, and `noise`, (N + k,), what tolerances make of that.
+    """
 
     def __init__(self, first: np.ndarray) -> None:
         super().__init__("Newton's method from the stored point does not converge.")
-        self.first = first
+        self.first, self.noise = first, np.zeros(len(first))
 
 
 def _values(conditions: list[Condition], at: Evaluation) -> np.ndarray:

@@ -6,19 +6,17 @@ import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.labels import LOCUS
-from contwalk.verification.coefficients import lyapunov
 from contwalk.verification.conditions import RESONANCES
+from contwalk.verification.criticality import judged
 from contwalk.verification.equations import Equations
-from contwalk.verification.equilibrium import EquilibriumEquations
 from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, SLACK
 from contwalk.verification.passage import EPSILON
 from contwalk.verification.solving import Solution
 
 # Multipliers of which no digit is known: what should be one, or the leading one, is off by a tenth.
 NO_DIGIT = 0.1
-# How many eigenvalues cross, and the coefficient whose sign tells the criticality, positive or negative.
+# How many eigenvalues cross.
 CROSSING = {"LP": 1, "HB": 2, "PD": 1, "NS": 2}
-SIGNS = {"BP": ("c", -1.0), "HB": ("l1", -1.0), "PD": ("c", 1.0), "NS": ("d", -1.0)}
 
 
 def told(branch: Branch, point: SpecialPoint, equations: Equations, found: Solution) -> tuple[str, str]:
@@ -29,9 +27,7 @@ def told(branch: Branch, point: SpecialPoint, equations: Equations, found: Solut
             return CANNOT_TELL, reason
         if reason := _spectrum(branch, point, found) or _counts(branch, point, found, equations.unit):
             return DISAGREES, reason
-    known = located and point.criticality is not None and point.label in SIGNS
-    reason = _criticality(point, equations, found) if known else ""
-    return (DISAGREES, reason) if reason else (AGREES, "")
+    return judged(branch, point, equations, found) if located else (AGREES, "")
 
 
 def _meaningless(branch: Branch, point: SpecialPoint, found: Solution, unit: bool) -> str:
@@ -47,7 +43,8 @@ def _meaningless(branch: Branch, point: SpecialPoint, found: Solution, unit: boo
     if trivial > NO_DIGIT:
         return f"the trivial multiplier is off by {trivial:.2g}, so that the others say nothing"
     leading = max(abs(complex(row["spectrum"][0])), 1.0)
-    if row["spectrum_error"] > NO_DIGIT * leading:
+    # Of a double one the sum and the product, which are what is compared, are known all the same.
+    if point.label not in ("R1", "R2") and row["spectrum_error"] > NO_DIGIT * leading:
         return f"the leading multiplier is known to {row['spectrum_error']:.2g} only"
     return ""
 
@@ -79,27 +76,4 @@ def _counts(branch: Branch, point: SpecialPoint, found: Solution, unit: bool) ->
     changes = (CROSSING[point.label], 0) if point.label == "LP" else (CROSSING[point.label],)  # one may touch
     if not least <= min(before, after) <= most or abs(after - before) not in changes:
         return f"it says {before} to {after} unstable directions, and {least} are beside those that cross"
-    return ""
-
-
-def _criticality(point: SpecialPoint, equations: Equations, found: Solution) -> str:
-    """Whether the criticality is what the coefficient's sign says, and that one the equations' own."""
-    name, sign = SIGNS[point.label]
-    value = point.coefficients.get(name)
-    if value is None:
-        return ""
-    if (sign * float(value) > 0.0) != (point.criticality == "supercritical"):
-        return f"it says {point.criticality}, and its coefficient {name} is {float(value):.6g}"
-    if (
-        point.label != "HB"
-        or not isinstance(equations, EquilibriumEquations)
-        or "omega" not in point.coefficients
-    ):
-        return ""
-    if equations.info.settings.get("pins"):
-        return ""
-    own, error = lyapunov(equations, found.at.z, float(point.coefficients["omega"]))
-    claim = float(point.coefficients.get("l1_error", 0.0))
-    if abs(own - float(value)) > SLACK * (error + claim) + EPSILON**0.25 * abs(own):
-        return f"its l1 is {float(value):.6g}, and {own:.6g} by differences of its equations"
     return ""

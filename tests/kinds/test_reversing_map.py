@@ -11,7 +11,7 @@ from small_systems import labelled
 
 import contwalk as cw
 from contwalk.system import Mode, Parameter, State, System, Transition
-from contwalk.verification.finding import CANNOT_TELL
+from contwalk.verification.finding import AGREES
 from contwalk.verification.points import checked_point
 
 ACCURACY = 1e-8  # the default one
@@ -58,4 +58,4 @@ def test_it_is_found_where_the_map_begins_to_reverse():
     assert abs(point.parameters["a"] - 2.0 / q) <= point.error < ACCURACY * 2.0 / q
     assert np.max(np.abs(point.spectrum)) < 1e-7  # both multipliers are zero to what the orbit is known to
     assert (point.unstable_before, point.unstable_after) == (0, 0)
-    assert checked_point(system, branch, point).verdict == CANNOT_TELL  # its kind is the plugin's
+    assert checked_point(system, branch, point).verdict == AGREES

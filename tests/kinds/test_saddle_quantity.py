@@ -7,7 +7,7 @@ from saddle_quantity import SaddleQuantity
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.verification.finding import CANNOT_TELL
+from contwalk.verification.finding import AGREES
 from contwalk.verification.points import checked_point
 
 
@@ -45,7 +45,7 @@ def test_it_is_found_where_both_eigenvalues_add_to_zero():
     assert (point.name, point.status) == ("SQ1", "located")
     assert abs(point.parameters["a"] - 0.5) <= point.error < 1e-15
     assert point.coefficients["eigenvalue"] == pytest.approx(1.5, abs=1e-15)
-    assert checked_point(problem.system, branch, point).verdict == CANNOT_TELL  # its kind is the plugin's
+    assert checked_point(problem.system, branch, point).verdict == AGREES
 
 
 def test_another_leading_eigenvalue_is_no_zero():

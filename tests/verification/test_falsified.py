@@ -100,9 +100,10 @@ def falsified(branch: Branch, point: SpecialPoint) -> dict[str, SpecialPoint]:
     if point.criticality:
         other = {"supercritical": "subcritical", "subcritical": "supercritical"}[point.criticality]
         found["criticality"] = replace(point, criticality=other)
+    for name in {"l1", "c", "d"} & set(point.coefficients) if point.criticality else ():
+        turned = {**point.coefficients, name: -point.coefficients[name]}
+        found["criticality and coefficient"] = replace(found["criticality"], coefficients=turned)
     if "l1" in point.coefficients:
-        turned = {**point.coefficients, "l1": -point.coefficients["l1"]}
-        found["coefficient"] = replace(found["criticality"], coefficients=turned)
         omega = {**point.coefficients, "omega": 2.0 * point.coefficients["omega"]}
         found["another pair's omega"] = replace(point, coefficients=omega)
     if point.label in ("HB", "PD", "NS"):
