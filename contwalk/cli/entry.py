@@ -14,10 +14,10 @@ import click
 
 from contwalk.cli.collector import hold_collector
 from contwalk.cli.lazy_group import LazyGroup
-from contwalk.cli.watching import watching
 from contwalk.errors import ContwalkError
 from contwalk.printable import printable
 from contwalk.workflow.process_end import refuse_exit
+from contwalk.workflow.watching import watching
 
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT)
 INTERRUPTED, TERMINATED = 130, 143  # 128 + SIGINT, 128 + SIGTERM, as shells count

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -33,8 +34,10 @@ def check_angles_of_fields(report: Report, system: System, fields: CheckedFields
             found = _compared(field, index, samples, np.abs)
             compared += found[0]
             if found[1]:
-                remedy = _typed(field, index, samples, np.abs) or (
-                    "Correct the period or the field, or leave the period out."
+                remedy = (
+                    _typed(field, index, samples, np.abs)
+                    or _together(field, index, samples)
+                    or "Correct the period or the field, or leave the period out."
                 )
                 report.error(
                     what,
@@ -112,16 +115,46 @@ def _typed(function: Traced, index: int, samples: Samples, size: Callable[[np.nd
     return meant and f"It is the same after {meant}: write period={meant}, with all digits."
 
 
+def _together(function: Traced, index: int, samples: Samples) -> str:
+    """What to do where a function is the same if several angles go on by a period at once; else empty."""
+    own, *others = sorted(_angles(function.system), key=lambda angle: angle[0] != index)
+    for group in [*([other] for other in others), *([others] if len(others) > 1 else [])]:
+        for sign in (1.0, -1.0):
+            shifts = {i: sign * (state.period or 0.0) for i, state in group}
+            compared, differs = _compared(function, index, samples, np.abs, besides=shifts)
+            if compared and not differs:
+                return _as_differences(own[1], [state for _, state in group], sign)
+    return ""
+
+
+def _as_differences(own: State, others: Sequence[State], sign: float) -> str:
+    """Angles that are periodic together, as one angle and what the others are beside it."""
+    names = [state.name for state in (own, *others)]
+    ratios = [(state.period or 0.0) / (own.period or 1.0) * sign for state in others]
+    sums = [
+        f"{state.name} {'-' if ratio > 0.0 else '+'} "
+        + ("" if abs(ratio) == 1.0 else f"{abs(ratio):g} * ")
+        + own.name
+        for state, ratio in zip(others, ratios, strict=True)
+    ]
+    how = "together" if sign > 0.0 else "against each other"
+    return (
+        f"It is the same where {' and '.join(names)} go on by a period {how}: keep {own.name} as an angle, "
+        f"and in place of {', '.join(names[1:])} write {', '.join(sums)}, without a period."
+    )
+
+
 def _compared(
     function: Traced,
     index: int,
     samples: Samples,
     size: Callable[[np.ndarray], Any],
     after: float | None = None,
+    besides: Mapping[int, float] = MappingProxyType({}),
 ) -> tuple[int, str]:
     """At how many states a function was compared with itself a period later, and what differs at one.
 
-    `after` is another period than the declared one.
+    `after` is another period than the declared one; `besides`, by how much which other states go on as well.
     """
     if index not in function.existing or not _reads(function, index):
         return 0, ""
@@ -130,6 +163,8 @@ def _compared(
         x = function.given(x)
         later = x.copy()
         later[index] += period
+        for other, shift in besides.items():
+            later[other] += shift
         now, then = (function.values(t, y, samples.values) for y in (x, later))
         if not (np.isfinite(now).all() and np.isfinite(then).all()):
             continue

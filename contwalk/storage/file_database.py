@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from abc import abstractmethod
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from contwalk.branch import BranchInfo
 from contwalk.errors import DatabaseError
@@ -74,7 +74,6 @@ class FileDatabase(Database):
         DatabaseError
         """
         modes = {mode.name for mode in system.modes}
-        known = {"", *(transition.name for transition in system.transitions)}
         for info in self.infos():
             legs = info.settings.get("legs", ())
             visited = [
@@ -82,8 +81,7 @@ class FileDatabase(Database):
                 *(passed[0] for passed in legs if passed),
             ]
             unknown = [name for name in visited if name not in modes]
-            unknown += [passed[1] for passed in legs if len(passed) > 1 and passed[1] not in known]
-            if unknown or not all(len(passed) > 2 for passed in legs):
+            if unknown or not all(2 < len(passed) < 7 and _leads(system, *passed[:2]) for passed in legs):
                 raise DatabaseError(
                     f"Branch {info.name} of {self.path} has modes or transitions that '{system.name}' has "
                     "not.",
@@ -96,3 +94,8 @@ class FileDatabase(Database):
         if stored.changed:
             warnings.warn(stored.changed, stacklevel=2)
         return stored.system
+
+
+def _leads(system: System, mode: Any, name: Any) -> bool:
+    """Whether a transition leads out of a mode, or one that soft transitions lead to; none has no name."""
+    return name == "" or any(source in system.sources(name) for source in system.modes_around(mode))

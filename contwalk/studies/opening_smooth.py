@@ -11,6 +11,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
 from contwalk.diagram import not_begun
 from contwalk.diagram.opening import Opening
+from contwalk.errors import StartError
 from contwalk.problems.initial.orbit_from_state import orbit_at, symmetric
 from contwalk.problems.initial.recurrence import AtRest, recurrent
 from contwalk.problems.kink import refuse
@@ -27,6 +28,7 @@ from contwalk.studies.orbits_not_alone import (
     outcome_of_family,
 )
 from contwalk.studies.solved_finely import solved_finely
+from contwalk.studies.turning import without_angles
 
 # A motion this small against its place may be the last of one that comes to rest.
 FAINT = 1e-6
@@ -37,7 +39,12 @@ def smooth(start: OrbitStart) -> Opening | Outcome:
     state, period, settings = start.state, start.period, start.settings
     faint = False
     if start.until is not None:
-        found = recurrent(start.system, start.values, state, start.until)
+        try:
+            found = recurrent(start.system, start.values, state, start.until)
+        except AtRest:
+            raise
+        except StartError as error:
+            raise without_angles(start, error) from error
         faint = bool(np.all(found.variation <= FAINT * np.abs(found.state).max()))
         state, period = found.state, found.period
     begins = start.system, start.line, start.at

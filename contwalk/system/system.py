@@ -224,6 +224,15 @@ class System(Declared):
             found.setdefault(transition.name, []).append(transition.source)
         return {name: tuple(sources) for name, sources in found.items()}
 
+    def modes_around(self, mode: str) -> tuple[str, ...]:
+        """The modes that soft transitions lead to from a mode, itself first."""
+        found = [mode]
+        for name in found:  # grows meanwhile
+            for transition in self.leaving(name):
+                if transition.role == "soft" and transition.target not in found:
+                    found.append(transition.target)
+        return tuple(found)
+
     def symmetry(self, name: str) -> Symmetry:
         """The symmetry of this name."""
         return next(symmetry for symmetry in self.symmetries if symmetry.name == name)

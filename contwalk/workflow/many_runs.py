@@ -22,6 +22,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from contwalk.errors import ContwalkError
 from contwalk.workflow.interruptions import deaf
 from contwalk.workflow.process_end import end_process, refuse_exit
+from contwalk.workflow.watching import on_stderr, watching
 
 Shared = TypeVar("Shared")
 Task = TypeVar("Task")
@@ -173,4 +174,5 @@ def _end_with_parent() -> None:
 
 
 def _run(task: Any) -> Any:
-    return _FUNCTION[0](task)
+    with watching(on_stderr):
+        return _FUNCTION[0](task)

@@ -22,6 +22,7 @@ from contwalk.workflow.process_end import end_process, refuse_exit
 from contwalk.workflow.requests import Answer, Drop, Failed, Finished, Reported, Walk
 from contwalk.workflow.study_text import StudyText
 from contwalk.workflow.walking_ahead import Walker
+from contwalk.workflow.watching import on_stderr, watching
 
 
 class Requests:
@@ -56,7 +57,7 @@ def main() -> None:
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     requests = Requests(sys.stdin.buffer)
-    with one_thread():
+    with one_thread(), watching(on_stderr):
         while True:
             wanted = requests.next()
             for answer in _answers(wanted, requests.dropped):

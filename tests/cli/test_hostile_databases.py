@@ -9,6 +9,9 @@ import h5py
 import pytest
 from hostile_records import Texts, changed
 
+from contwalk.storage.file_database import _leads
+from contwalk.system import Mode, Parameter, State, System, Transition
+
 # Names and texts that would act: on the folder that is written to, on the terminal.
 NAMES = ("../x", "/tmp/x", "..", ".x", "a/b", "a\\b", "", "a\x1b[2Jb", "a\nb", "a\rb", "b\x00", "\u202eb")
 ACTING = "\x1b]0;owned\x07\x1b[2J\x9b31m\r\x08"
@@ -100,7 +103,14 @@ diagram: none
 
 @pytest.mark.parametrize(
     "legs",
-    [[["nowhere", "strike", False]], [["MODE", "nothing", True]], [[True, "strike", True]], [[]], [["MODE"]]],
+    [
+        [["nowhere", "strike", False]],
+        [["MODE", "nothing", True]],
+        [[True, "strike", True]],
+        [[]],
+        [["MODE"]],
+        [["MODE", "heel_strike", True, True, True, True, True]],
+    ],
 )
 def test_orbits_in_modes_that_the_system_has_not(contwalk, kept_study_of, folder, legs):
     database = kept_study_of("wheel", "", WHEEL)
@@ -119,6 +129,30 @@ def test_orbits_in_modes_that_the_system_has_not(contwalk, kept_study_of, folder
         done = contwalk(*given)
         spoken(done, given)
         assert "modes or transitions that 'rimless_wheel' has not" in done.err + done.out, given
+
+
+def test_a_transition_that_leads_out_of_another_mode_is_none_of_a_leg():
+    """Out of a mode, or of one that soft transitions lead to from it."""
+
+    def passed(t, x, p):
+        return x[0]
+
+    system = System(
+        "modes",
+        states=(State("x"),),
+        parameters=(Parameter("a", 1.0),),
+        modes=tuple(Mode(name, passed) for name in ("first", "second", "third")),
+        transitions=(
+            Transition("soften", "first", "second", passed, role="soft"),
+            Transition("end", "second", "third", passed, reset=passed),
+            Transition("again", "third", "first", passed, reset=passed),
+        ),
+    )
+    leads = {
+        mode: {name for name in ("", "end", "again") if _leads(system, mode, name)}
+        for mode in ("first", "second", "third")
+    }
+    assert leads == {"first": {"", "end"}, "second": {"", "end"}, "third": {"", "again"}}
 
 
 def test_texts_of_a_database_do_not_act_on_the_terminal(contwalk, fork, folder):

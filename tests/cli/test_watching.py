@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from contwalk.cli.watching import watching
+from contwalk.workflow.watching import watching
 
 LOOP = """
 import time
@@ -21,6 +21,18 @@ def loop(seconds, until):
 def wait():
     time.sleep(0.01)
 """
+
+
+# An observable that comes back in the process that is asked, and never in one that works for it.
+WORKER = """
+def height(t, x, p):
+    own = getattr(sys.modules["__main__"], "__spec__", None)
+    while own is not None and own.name == "contwalk.workflow.worker":
+        pass
+    return x[0, 0]
+
+
+SYSTEM = System(observables=(Observable("height", height),), """
 
 
 def plugin(folder):
@@ -63,15 +75,17 @@ def test_contwalk_itself_is_no_plugin():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("where", ["field", "import"])
+@pytest.mark.parametrize("where", ["field", "import", "worker"])
 def test_of_a_run_it_is_told_after_half_a_minute(folder, where):
     text = (folder / "fork.py").read_text(encoding="utf-8")
     if where == "import":
         text += "\nwhile True:\n    pass\n"
+    elif where == "worker":
+        text = text.replace("import", "import sys\nimport", 1).replace("SYSTEM = System(", WORKER, 1)
     else:
         text = text.replace("    dx[1] = p.a - x[1]\n", "    while True:\n        pass\n")
     (folder / "fork.py").write_text(text, encoding="utf-8")
-    command = [sys.executable, "-m", "contwalk", "continue", "run.yaml"]
+    command = [sys.executable, "-m", "contwalk", "continue", "run.yaml", "--jobs", "2", "--quiet"]
     process = subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stderr is not None

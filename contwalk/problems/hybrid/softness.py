@@ -22,7 +22,7 @@ from contwalk.problems.hybrid.view import GuardedView
 from contwalk.problems.orbit.along_pins import shifted
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.fine_steps import discretized
-from contwalk.problems.orbit.itinerary import Itinerary, Leg, modes_around
+from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 
@@ -259,7 +259,7 @@ def limits_of(system: System, itinerary: Itinerary) -> tuple[Limit, ...]:
     found: dict[Limit, None] = {}
     for i, leg in enumerate(itinerary.legs):
         before = itinerary.leading_in(system, i)
-        for mode in modes_around(system, leg.mode):
+        for mode in system.modes_around(leg.mode):
             own = next((t for t in system.leaving(mode) if t.name == leg.name), None)
             for limit in limits_of_leg(system, mode, own, before, i):
                 found[limit] = None

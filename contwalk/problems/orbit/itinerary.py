@@ -277,18 +277,8 @@ def named_itinerary(system: System, legs: Sequence[Sequence[Any]], image: str = 
         if not name:
             return None
         sources = system.sources(name)
-        around = modes_around(system, mode)  # soft transitions may lie before it
+        around = system.modes_around(mode)  # soft transitions may lie before it
         return system.transition(name, next(source for source in around if source in sources))
 
     named = [Leg(mode, out_of(mode, name), *map(bool, rest)) for mode, name, *rest in legs]
     return Itinerary(tuple(named), image)
-
-
-def modes_around(system: System, mode: str) -> tuple[str, ...]:
-    """The modes that soft transitions lead to from a mode, itself first."""
-    found = [mode]
-    for name in found:  # grows meanwhile
-        for transition in system.leaving(name):
-            if transition.role == "soft" and transition.target not in found:
-                found.append(transition.target)
-    return tuple(found)

@@ -35,6 +35,11 @@ def watching(tell: Callable[[str], None], after: float = 30.0, every: float = 1.
         done.set()
 
 
+def on_stderr(line: str) -> None:
+    """Tell it on the standard error, as a process does that works for another one."""
+    print(line, file=sys.stderr, flush=True)
+
+
 def _watch(
     watched: int,
     outside: FrameType,
