@@ -257,9 +257,16 @@ class Subsegment:
 
 
 def on_finest_steps(
-    segment: Segment, theta: float, kind: PointType, low: float = 0.0, high: float = 1.0
+    segment: Segment,
+    theta: float,
+    kind: PointType,
+    low: float = 0.0,
+    high: float = 1.0,
+    aside: float = NEIGHBOURHOOD,
 ) -> Subsegment | None:
     """What is around a position between two others, on the finest steps; a kind of point is in doubt there.
+
+    It goes `aside` to both sides.
 
     None where the problem has none, or the branch is lost.
 
@@ -275,7 +282,7 @@ def on_finest_steps(
         raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
     if problem is None:
         return None
-    sides = max(theta - NEIGHBOURHOOD, low), min(theta + NEIGHBOURHOOD, high)
+    sides = max(theta - aside, low), min(theta + aside, high)
     try:
         a, b = (segment.on(problem, side) for side in sides)
     except LostBranch:
