@@ -16,7 +16,7 @@ from contwalk.flow.ensemble.sampling_records import SampleResult, SamplingCall
 from contwalk.flow.events.guard import Guard
 from contwalk.flow.events.guard_code import OUTPUTS
 from contwalk.flow.explicit.stages import FIRST, WIDTH, code, vectors
-from contwalk.flow.tableaus.dop853 import DOP853
+from contwalk.flow.tableaus.runge_kutta import DOP853
 
 BATCH = 25  # motions to a call: enough to keep threads apart, few enough for a bar that moves
 MOST_STEPS = 20_000_000

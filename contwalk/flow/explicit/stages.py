@@ -31,9 +31,7 @@ from contwalk.fields.elimination_code import literal
 from contwalk.fields.lanes import LANES
 from contwalk.fields.llvm import Code, code_of
 from contwalk.flow.compiled.products import WIDTH
-from contwalk.flow.tableaus.dop853 import DOP853
-from contwalk.flow.tableaus.runge_kutta import Combination, RungeKutta
-from contwalk.flow.tableaus.verner98 import VERNER98
+from contwalk.flow.tableaus.runge_kutta import DOP853, VERNER98, Combination, RungeKutta
 
 TABLEAUS = {method.name: method for method in (DOP853, VERNER98)}
 

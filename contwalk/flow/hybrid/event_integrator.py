@@ -25,7 +25,7 @@ from contwalk.flow.hybrid.event_records import (
     TransitionRecord,
 )
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
-from contwalk.flow.tableaus.dop853 import DOP853
+from contwalk.flow.tableaus.runge_kutta import DOP853
 from contwalk.system import Transition
 
 METHOD = "dop853"

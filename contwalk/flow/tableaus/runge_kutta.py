@@ -1,8 +1,14 @@
-"""What an explicit Runge-Kutta method consists of."""
+"""What an explicit Runge-Kutta method consists of, and those that there are.
+
+Their coefficients are files of numbers, with their sources.
+"""
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
 
 Combination = dict[int, float]
 """A sum of stages: stage -> coefficient; those that are missing are zero."""
@@ -56,3 +62,19 @@ class RungeKutta:
     def stages_of_step(self) -> int:
         """How many stages come up to the last one that the step itself needs."""
         return max(self.weights) + 1
+
+
+def _read(name: str) -> RungeKutta:
+    """A method from the file of its coefficients."""
+
+    def numbers(entry: Any) -> Any:
+        if isinstance(entry, dict):
+            return {int(stage): value for stage, value in entry.items()}
+        return tuple(map(numbers, entry)) if isinstance(entry, list) else entry
+
+    given = json.loads(files(__package__).joinpath(f"{name}.json").read_text(encoding="utf-8"))
+    return RungeKutta(**{key: numbers(entry) for key, entry in given.items() if key != "source"})
+
+
+# Order 8, with error estimates of orders 5 and 3 and an interpolant of order 7; orders 9 and 8.
+DOP853, VERNER98 = _read("dop853"), _read("verner98")

@@ -12,7 +12,7 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.flow.method import Carried, Choice, choose_each
-from contwalk.flow.tableaus.dop853 import DOP853
+from contwalk.flow.tableaus.runge_kutta import DOP853
 from contwalk.numerics.distinct import distinct
 from contwalk.problems.kinks import at_the_end
 from contwalk.problems.orbit import without_value
