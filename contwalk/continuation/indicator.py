@@ -200,13 +200,15 @@ def _on_finest_steps(own: Indicator, theta: float) -> list[Found] | None:
     ends = max(abs(own.value(end)) for end in (segment.a, segment.b))
     if abs(own.value(sample)) > max(CLOSE * ends, own.doubt(sample)):
         return None
-    aside, beyond = NEIGHBOURHOOD, True
-    while beyond:  # on the finest steps, too, and for longer than these look
+    for aside in NEIGHBOURHOOD * 4.0 ** np.arange(4):  # as long as it is beyond zero on these
         finer = on_finest_steps(segment, theta, own.kind(sample), aside=aside)
-        if finer is None or aside > 1.0:
+        if finer is None:
             return None
-        fine, part, aside = own.on(finer.part), finer.part, 4.0 * aside
-        beyond = any(fine.value(end) * own.value(segment.a) < 0.0 for end in (part.a, part.b))
+        fine, part = own.on(finer.part), finer.part
+        if all(fine.value(end) * own.value(segment.a) >= 0.0 for end in (part.a, part.b)):
+            break
+    else:
+        return None
     middle, passes = extremum(fine, (0.0, part.a), (1.0, part.b)) or (0.5, False)
     there = part.at(middle)
     # What is off on finer steps is a part of what these have changed.

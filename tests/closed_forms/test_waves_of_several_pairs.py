@@ -16,8 +16,9 @@ from contwalk.branch import Branch
 from contwalk.continuation.settings import Settings
 from contwalk.diagram.branch_in_progress import Start
 from contwalk.diagram.diagram import Diagram, Plan
+from contwalk.numerics.permutations import as_cycles, generating
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
-from contwalk.problems.equilibrium.permutations import as_cycles, generating, permutations_at
+from contwalk.problems.equilibrium.permutations import permutations_at
 from contwalk.studies.opening import opened
 
 B, LAST = 0.3, 0.2

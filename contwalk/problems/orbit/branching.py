@@ -77,21 +77,37 @@ def tangent_through(problem: OrbitData, located: Located, near: Sample) -> np.nd
 
 
 def crossing(problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-    """The branch that crosses, along the tangent that the parent does not have. z has the shape (N + 1,)."""
-    weights = filled_magnitudes(problem, z)
-    jacobian = problem.linearize(z).jacobian
-    rows = problem.equation_scales
-    u, _, vh = np.linalg.svd(jacobian / rows[:, None] * weights)
-    found = directions(problem, z, NullVectors(vh[-2:] * weights, u[:, -1] / rows), weights)
-    if len(found) < 2:
-        return ()
-    parent = np.array(point.tangent)
-    products = [abs(float((t / weights) @ (parent / weights))) for t in found]
-    other = found[int(np.argmin(products))]
-    share = other[-1] / weights[-1]
-    lead = share if abs(share) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
-    tangent = other * np.sign(lead)
-    return (Seed("BP", z, tangent, amplitude(tangent), problem),)
+    """The branches that cross, along tangents that the parent does not have. z has the shape (N + 1,)."""
+    weights, rows = filled_magnitudes(problem, z), problem.equation_scales
+    count = int(point.coefficients.get("multiplicity", 1))
+    u, _, vh = np.linalg.svd(problem.linearize(z).jacobian / rows[:, None] * weights)
+    left, parent = u[:, -count:] / rows[:, None], np.array(point.tangent)
+    if count == 1:
+        nulls = [NullVectors(vh[-2:] * weights, left[:, 0])]
+    else:
+        kept = problem.kept_directions(z, 1.0, count)[0]
+        nulls = [_in_plane(problem, z, np.array([np.append(v, 0.0), parent]), left) for v in kept]
+    seeds: list[Seed] = []
+    for null in nulls:
+        found = directions(problem, z, null, weights)
+        if len(found) < 2:
+            continue
+        products = [abs(float((t / weights) @ (parent / weights))) for t in found]
+        other = found[int(np.argmin(products))]
+        share = other[-1] / weights[-1]
+        lead = share if abs(share) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
+        tangent = other * np.sign(lead)
+        seeds.append(Seed("BP", z, tangent, amplitude(tangent), problem))
+    return seeds
+
+
+def _in_plane(problem: OrbitData, z: np.ndarray, plane: np.ndarray, left: np.ndarray) -> NullVectors:
+    """A plane of null vectors that a symmetry keeps, (2, N + 1), with the one of the left ones, (N, k), that
+    second derivatives along it have a part in: the symmetry keeps that as well.
+    """
+    bends = [left.T @ variations.derivative_along(problem, z, t) for t in plane]
+    forms = [bend @ t for bend in bends for t in plane]
+    return NullVectors(plane, left @ np.linalg.svd(np.array(forms))[2][0])
 
 
 def second_direction(problem: OrbitData, z: np.ndarray) -> np.ndarray | None:

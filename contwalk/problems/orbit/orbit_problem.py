@@ -38,6 +38,7 @@ from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.extents import extent_along, sizes_since
 from contwalk.problems.orbit.fine_steps import discretized
+from contwalk.problems.orbit.kept_directions import kept_directions
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_equations import OrbitEquations
@@ -58,6 +59,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
     beginnings = metric.beginnings
     mirror = mirror.mirror_of
     reported = reporting.reported
+    kept_directions = kept_directions
     doubled_from, unfolded_from = switching.doubled, switching.unfolded
     asymmetries, returned_to_parent = asymmetry.of_moving, termination.returned_to_parent
     every_type: tuple[OrbitPoint, ...] = POINT_TYPES

@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
+from contwalk.numerics.permutations import as_cycles, generating
 from contwalk.problems.kink import FieldKink
 from contwalk.problems.orbit import volumes
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -33,10 +34,15 @@ PAIR = (
     "but the multipliers of solutions on either side do"
 )
 
-SEVERAL = (
-    "{} multipliers are {:g} together, as a symmetry of the field makes them: the orbits that leave are not "
-    "followed, for no one critical direction tells theirs; one that is stable is found by simulating beside "
-    "this value, start: {{simulate: {{state: {{...}}}}}}"
+TOGETHER = "{} multipliers are {:g} together, as a symmetry of the field makes them: "
+KEPT = "{} of the orbits that leave, as symmetries keep them, up to images; others are not looked for"
+NONE_KEPT = (
+    "the orbits that leave are not followed, for no symmetry is known that tells their directions (one that "
+    "is stable is found by simulating beside this value, start: {simulate: {state: {...}}})"
+)
+DECLARE = (
+    "; the field is unchanged under {}: declare it, symmetries=(Symmetry(...),), and orbits are followed "
+    "that close up to it"
 )
 
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
@@ -115,7 +121,15 @@ def _form(problem: OrbitData, point: OrbitKind, located: Located, sample: Sample
     if count < 2:
         return form
     # No coefficient along one direction tells of what leaves along several.
-    return form[0], None, {"multiplicity": count}, SEVERAL.format(count, point.multiplier)
+    return form[0], None, {"multiplicity": count}, _several(problem, located.z, point.multiplier, count)
+
+
+def _several(problem: OrbitData, z: np.ndarray, multiplier: float, count: int) -> str:
+    """What leaves where several multipliers are critical, in words."""
+    kept, orders = problem.kept_directions(z, multiplier, count)
+    told = TOGETHER.format(count, multiplier) + (KEPT.format(len(kept)) if kept else NONE_KEPT)
+    cycles = " and ".join(as_cycles(p, problem.system.state_names) for p in generating(orders))
+    return told + DECLARE.format(cycles) if orders else told
 
 
 def _double(sample: Sample, critical: float) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import Factorization
+from contwalk.numerics.permutations import Permutation
 from contwalk.problems.kink import Kink
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.discretization import Discretization
@@ -112,6 +113,11 @@ class EquationsOfOrbit(Problem, Protocol):
     def return_map(self, z: np.ndarray) -> SectionMap:
         """The map that takes the section once round the orbit. z has the shape (N + 1,)."""
 
+    def kept_directions(
+        self, z: np.ndarray, multiplier: float, count: int
+    ) -> tuple[list[np.ndarray], list[Permutation]]:
+        """Directions of so many critical multipliers that symmetries keep. z has the shape (N + 1,)."""
+
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes of z, NaN where nothing tells. Both have the shape (N + 1,)."""
 
@@ -184,11 +190,11 @@ class Orbit(EquationsOfOrbit, Meshed, Observed, Equivalence, Protocol):
     def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point of a kind."""
 
-    def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The orbit of twice the closure that leaves where a multiplier is -1. z has the shape (N + 1,)."""
+    def doubled_from(self, z: np.ndarray, count: int = 1) -> Sequence[Seed]:
+        """The orbits of twice the closure that leave where so many multipliers are -1. z: shape (N + 1,)."""
 
-    def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The whole orbit without its symmetry that leaves where a multiplier of its half is -1.
+    def unfolded_from(self, z: np.ndarray, count: int = 1) -> Sequence[Seed]:
+        """The whole orbits without their symmetry that leave where so many multipliers of a half are -1.
 
         z has the shape (N + 1,).
         """

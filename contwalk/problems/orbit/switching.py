@@ -17,6 +17,7 @@ from contwalk.problems.orbit import variations
 from contwalk.problems.orbit.along_pins import held
 from contwalk.problems.orbit.branching import amplitude
 from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit, Kind
+from contwalk.problems.orbit.kept_directions import kept_directions
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.own_image import reversing
 from contwalk.problems.orbit.scales import cycle_scales
@@ -26,26 +27,28 @@ from contwalk.problems.problem import Seed
 from contwalk.system.declarations import ParameterValues
 
 
-def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
-    """The orbit of twice the closure that leaves along the critical vector.
+def doubled(problem: DiscretizedOrbit, z: np.ndarray, count: int = 1) -> Sequence[Seed]:
+    """The orbits of twice the closure that leave where so many multipliers are -1.
 
-    It is closed up to a declared symmetry if each half of it is the image of the other one, as where a
+    One is closed up to a declared symmetry if each half of it is the image of the other one, as where a
     symmetry keeps every state of the parent and reverses the critical vector.
 
     z has the shape (N + 1,).
     """
-    v = _critical(problem, z)
-    name = reversing(problem, z, v)
-    if name:
-        half = problem.of_itinerary(replace(problem.itinerary, image=name, power=1, order=2), 2)
-        return _leaving(problem, z, v, half, 1, "PD")
-    return _leaving(problem, z, v, _gone_round(problem, 2), 2, "PD")
+    seeds: list[Seed] = []
+    for v in _critical(problem, z, count):
+        name = reversing(problem, z, v)
+        half = replace(problem.itinerary, image=name, power=1, order=2)
+        other = problem.of_itinerary(half, 2) if name else _gone_round(problem, 2)
+        seeds.extend(_leaving(problem, z, v, other, 1 if name else 2, "PD"))
+    return seeds
 
 
-def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
-    """The orbit without the symmetry that its parent closes up to. z has the shape (N + 1,)."""
+def unfolded(problem: DiscretizedOrbit, z: np.ndarray, count: int = 1) -> Sequence[Seed]:
+    """The orbits without the symmetry that their parent closes up to. z has the shape (N + 1,)."""
     times = problem.itinerary.closures
-    return _leaving(problem, z, _critical(problem, z), _gone_round(problem, times), times, "BP")
+    other = _gone_round(problem, times)
+    return [s for v in _critical(problem, z, count) for s in _leaving(problem, z, v, other, times, "BP")]
 
 
 def whole(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
@@ -55,11 +58,12 @@ def whole(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
     return cast(Kind, seed.problem), seed.z
 
 
-def _critical(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
-    """The deviation whose multiplier is -1, of all unknowns, shape (N,)."""
+def _critical(problem: DiscretizedOrbit, z: np.ndarray, count: int) -> list[np.ndarray]:
+    """The deviation whose multiplier is -1, of all unknowns, shape (N,); of several those symmetries keep."""
+    if count > 1:
+        return kept_directions(problem, z, -1.0, count)[0]
     matrix = variations.cycle_matrix(problem, problem.linearize(z).jacobian, -1.0)
-    v: np.ndarray = null_vectors(problem, matrix, *cycle_scales(problem))[0].real
-    return v
+    return [null_vectors(problem, matrix, *cycle_scales(problem))[0].real]
 
 
 def _gone_round(problem: Kind, times: int) -> Kind:

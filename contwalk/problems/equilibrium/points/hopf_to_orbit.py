@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -11,11 +12,12 @@ from contwalk.numerics.linear import EPSILON
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
 from contwalk.problems.equilibrium.points.several_waves import waves_at
-from contwalk.problems.equilibrium.points.symmetric_vectors import keeps, linear_image
 from contwalk.problems.held_quantities import HeldQuantity
+from contwalk.problems.images import imaged
 from contwalk.problems.neutral import generator_at
 from contwalk.problems.orbit import equations
 from contwalk.problems.orbit.closure import order_of
+from contwalk.problems.orbit.kept_directions import keeps, linear_image
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.remesh import mesh_for
 from contwalk.problems.orbit.section import section_at
@@ -139,9 +141,11 @@ def _symmetry_of_cycle(
         order = order_of(symmetry, x, p)
         if symmetry.role != "spatial" or order is None or order < 2:
             continue
-        if not keeps(symmetry, x, p):
+        image = partial(imaged, symmetry, parameters=p)
+        if not keeps(image, x):
             continue
-        ratio = complex(q.conj() @ linear_image(symmetry, x, q, p)) / complex(q.conj() @ q)
+        moved = linear_image(image, x, np.column_stack([q.real, q.imag])) @ [1.0, 1.0j]
+        ratio = complex(q.conj() @ moved) / complex(q.conj() @ q)
         for power in range(1, order):
             turned = ratio**power
             if abs(turned - np.exp(-2j * np.pi / order)) < 1e-6:

@@ -13,11 +13,10 @@ import numpy as np
 from contwalk.numerics.linear import nearest_eigenpair
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import Forms
+from contwalk.problems.orbit.kept_directions import SAME
 
 # Eigenvalues are one that differ by less than this part of the frequency.
 ALIKE = 1e-7
-# Vectors of a space are alike, and left vectors see nothing of it, below this part of their sizes.
-SAME = 1e-6
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,10 @@ from itertools import product
 import numpy as np
 
 from contwalk.numerics.linear import EPSILON, Factored
+from contwalk.numerics.permutations import Permutation, as_cycles, generating
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import ROUNDINGS, SURE, Forms
-from contwalk.problems.equilibrium.permutations import Permutation, as_cycles, generating, permutations_at
+from contwalk.problems.equilibrium.permutations import permutations_at
 from contwalk.problems.equilibrium.points.lyapunov import SAME, CriticalSpace, critical_space
 from contwalk.problems.equilibrium.points.symmetric_vectors import symmetric_vectors
 from contwalk.problems.equilibrium.several_directions import ALONE, CONVERGED, MOST, STARTS, solutions

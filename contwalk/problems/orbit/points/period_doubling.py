@@ -35,8 +35,8 @@ class _Flip(OrbitPoint):
         return flip_system(problem, sample)
 
     def seeds(self, problem: OrbitData, point: SpecialPoint) -> Sequence[Seed]:
-        """The orbit that leaves along the critical vector, where there is one."""
-        return () if "multiplicity" in point.coefficients else problem.leaving(self, point)
+        """The orbits that leave along critical vectors."""
+        return problem.leaving(self, point)
 
     def critical(self, point: SpecialPoint, sample: Sample) -> complex:
         """-1."""
@@ -66,8 +66,8 @@ class FlatDoubling(_Flip):
         return None, criticality, coefficients, vanishes
 
     def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-        """The doubled orbit. z has the shape (N + 1,)."""
-        return problem.doubled_from(z)
+        """The doubled orbits. z has the shape (N + 1,)."""
+        return problem.doubled_from(z, point.coefficients.get("multiplicity", 1))
 
 
 class PeriodDoubling(FlatDoubling):
@@ -105,8 +105,8 @@ class SymmetryBreaking(_Flip):
         return "symmetry-breaking", None, {}, PAIR
 
     def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-        """The whole orbit without the symmetry. z has the shape (N + 1,)."""
-        return problem.unfolded_from(z)
+        """The whole orbits without the symmetry. z has the shape (N + 1,)."""
+        return problem.unfolded_from(z, point.coefficients.get("multiplicity", 1))
 
     def has(self, point: SpecialPoint) -> bool:
         """A branch point of that kind."""

@@ -11,17 +11,18 @@ point the unfoldings m are zero, and all of G is.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.orbit import variations
+from contwalk.problems.orbit import branching, variations
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.point_records import MEET
 from contwalk.problems.orbit.points.point import OrbitPoint
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 
 class SeveralMultipliers(OrbitPoint):
@@ -38,6 +39,14 @@ class SeveralMultipliers(OrbitPoint):
     def tangent(self, problem: OrbitData, located: Located, near: Sample) -> np.ndarray | None:
         """Only continuity tells: that of `near`, shape (N + 1,)."""
         return near.tangent
+
+    def seeds(self, problem: OrbitData, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave along what symmetries keep."""
+        return problem.leaving(self, point)
+
+    def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that cross. z has the shape (N + 1,)."""
+        return branching.crossing(problem, z, point)
 
     def has(self, point: SpecialPoint) -> bool:
         """A branch point with a multiplicity."""

@@ -1,0 +1,133 @@
+"""Directions in a critical space that symmetries keep: branches leave along them, to all orders.
+
+Where a symmetry makes several eigenvalues critical together, any vector of their space is an eigenvector. One
+that an image turns by a factor of its own is what deviations of solutions with less symmetry begin as: at a
+multiplier of 1 one that it keeps, at -1 one that it reverses as well, a closure later (equivariant branching
+lemma; M. Golubitsky, I. Stewart & D. G. Schaeffer, 1988, chapters XIII and XVIII).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import numpy as np
+
+from contwalk.numerics.linear import EPSILON
+from contwalk.numerics.permutations import Permutation, automorphisms
+from contwalk.problems.images import products
+from contwalk.problems.orbit import monodromy
+from contwalk.problems.orbit.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.orbit.itinerary import imaged_leg
+from contwalk.problems.orbit.scales import cycle_scales
+from contwalk.problems.orbit.shooting import velocity
+from contwalk.problems.orbit.variations import cycle_matrix
+from contwalk.system import Symmetry
+from contwalk.system.declarations import ParameterValues
+
+# Vectors of a space are alike, and left vectors see nothing of it, below this part of their sizes.
+SAME = 1e-6
+# How far aside the image of a state is taken for the linear part of a map.
+ASIDE = 1e-4
+
+Map = Callable[[np.ndarray], np.ndarray]
+
+
+def turned(
+    space: np.ndarray, images: np.ndarray, along: np.ndarray | None = None
+) -> tuple[np.ndarray, list[tuple[complex, np.ndarray]]]:
+    """What a map does to a space, shape (k, k), and the vectors in it that it only turns, with their factors.
+
+    None where the space is not kept, but for what lies `along` a vector, shape (n,). Columns of the space and
+    their images have the shape (n, k), vectors in it (k,).
+    """
+    k = space.shape[1]
+    whole = space if along is None else np.column_stack([space, along])
+    found = np.linalg.lstsq(whole, images, rcond=None)[0]
+    if np.abs(images - whole @ found).max() > SAME * np.abs(space).max():
+        return found[:k], []
+    ratios, shares = np.linalg.eig(found[:k])
+    each = zip(ratios, shares.T, strict=True)
+    return found[:k], [(r, v) for r, v in each if np.count_nonzero(np.abs(ratios - r) < SAME) == 1]
+
+
+def keeps(image: Map, x: np.ndarray) -> bool:
+    """Whether a state, shape (n,), is its own image."""
+    return np.allclose(image(x), x, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(x).max()))
+
+
+def linear_image(image: Map, x: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Images of deviations q from a state that is its own image; these have the shape (n, k), it has (n,)."""
+    return np.column_stack([(image(x + ASIDE * each) - x) / ASIDE for each in q.T])
+
+
+def kept_directions(
+    problem: DiscretizedOrbit, z: np.ndarray, multiplier: float, count: int
+) -> tuple[list[np.ndarray], list[Permutation]]:
+    """Critical directions of an orbit that its symmetries keep, of which none is the image of another one.
+
+    With them the permutations of its states that nobody declared, if none that is declared keeps the orbit.
+
+    z has the shape (N + 1,), each direction (N,); `count` multipliers are at `multiplier`.
+    """
+    x = problem.first_state(z)
+    if len(problem.passages[0].states) < len(x):
+        return [], []
+    rows, columns = cycle_scales(problem)
+    matrix = cycle_matrix(problem, problem.linearize(z).jacobian, multiplier)
+    space = columns[:, None] * np.linalg.svd(matrix / rows[:, None] * columns)[2][-count:].T
+    scale, starts = problem.mesh.variation, space[problem.layout.states[0]]
+    flow = monodromy.flow_direction(problem, z, 0)[: len(x)]
+    declared = [each for each in _declared(problem, z) if keeps(each[0], x)]
+    orders = [] if declared else _undeclared(problem, z)
+    # What closes up to a symmetry needs one that has a name: its orbits lie in no space that it keeps.
+    images = [(linear_image(image, x, starts), named) for image, named in declared]
+    images += [(starts[list(order)], False) for order in orders]
+    units, found = scale[:, None], list[np.ndarray]()
+    each = [turned(starts / units, own / units, flow / scale) for own, _ in images]
+    turns = [turn for turn, _ in each]
+    for (_, vectors), (_, named) in zip(each, images, strict=True):
+        for ratio, share in vectors:
+            if abs(ratio - 1.0) > SAME and not (named and abs(ratio - multiplier) <= SAME):
+                continue
+            a = share.real / np.linalg.norm(share.real)
+            known = [w / np.linalg.norm(w) for b in found for w in (b, *(turn @ b for turn in turns))]
+            if all(abs(a @ w) < 1.0 - SAME for w in known):
+                found.append(a)
+    return [space @ a for a in found], orders
+
+
+def _declared(problem: DiscretizedOrbit, z: np.ndarray) -> Iterator[tuple[Map, bool]]:
+    """The products of declared spatial symmetries that take each leg to itself, and whether one is alone."""
+    system, p = problem.system, ParameterValues(**problem.values_of(z))
+
+    def kept(symmetry: Symmetry) -> bool:
+        legs = problem.itinerary.legs
+        return symmetry.role == "spatial" and all(
+            imaged_leg(system, symmetry.name, leg) == leg for leg in legs
+        )
+
+    for product in products(system, problem.first_state(z), p):
+        if all(kept(symmetry) for symmetry in product.symmetries):
+            yield partial(product.state, p=p), len(product.symmetries) == 1
+
+
+def _undeclared(problem: DiscretizedOrbit, z: np.ndarray) -> list[Permutation]:
+    """Permutations of the states of an orbit without events that keep it, and the field beside it."""
+    if problem.itinerary.eventful or not problem.itinerary.single:
+        return []
+    n, x, passage = problem.states, problem.first_state(z), problem.passages[0]
+    whole = monodromy.once_round(problem, problem.jacobian(z), 0)[:n, :n]
+    values = np.concatenate([problem.layout.inputs(0, z)[1], problem.line.constants])
+    scale = problem.mesh.variation
+
+    def keeps_field(order: Permutation) -> bool:
+        for k in (1, 2, 3):
+            beside = x + 0.1 * scale * np.cos(np.arange(1.0, n + 1.0) * k)
+            here, there = (velocity(passage, own, 0.3, values) for own in (beside, beside[list(order)]))
+            if not np.abs(there - here[list(order)]).max() <= SAME * np.abs(here).max():
+                return False
+        return True
+
+    rounded = np.where(np.abs(x) <= EPSILON * scale, 0.0, x)
+    return [order for order in automorphisms(whole, rounded) if keeps_field(order)]
