@@ -1,4 +1,4 @@
-"""Costly tests take turns: of three draws each tries about a third of what they cost."""
+"""Costly tests take turns: of four draws each tries about a quarter of what they cost."""
 
 from __future__ import annotations
 
@@ -20,7 +20,12 @@ class Item:
         self.marks.append(mark.name)
 
 
-KNOWN = {"tests/a.py::test_one": 0, "tests/a.py::TestIt::test_two": 1, "tests/b.py::test_three": 2}
+KNOWN = {
+    "tests/a.py::test_one": 0,
+    "tests/a.py::TestIt::test_two": 1,
+    "tests/b.py::test_three": 2,
+    "tests/b.py::test_four": 3,
+}
 
 
 def waiting(seed: str) -> set[str]:
@@ -30,13 +35,15 @@ def waiting(seed: str) -> set[str]:
     return {item.nodeid for item in items if item.marks}
 
 
-def test_of_three_draws_each_tries_what_the_others_leave():
+def test_of_four_draws_each_tries_what_the_others_leave():
     first = {"tests/a.py::test_one", "tests/a.py::test_one[x-1]"}
     second, third = {"tests/a.py::TestIt::test_two"}, {"tests/b.py::test_three"}
-    assert waiting("1") == second | third
-    assert waiting("2") == first | third
-    assert waiting("3") == first | second
-    assert waiting("4") == waiting("1")
+    fourth = {"tests/b.py::test_four"}
+    assert waiting("1") == second | third | fourth
+    assert waiting("2") == first | third | fourth
+    assert waiting("3") == first | second | fourth
+    assert waiting("4") == first | second | third
+    assert waiting("5") == waiting("1")
     assert waiting(EVERYTHING) == set()
     assert turn_of("any word") in range(DRAWS)
 
