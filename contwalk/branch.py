@@ -11,7 +11,6 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
-from importlib import import_module
 from typing import Any, overload
 
 import numpy as np
@@ -19,8 +18,8 @@ import numpy as np
 from contwalk import quantities, tables
 from contwalk.branch_point import SpecialPoints, StoredPoint
 from contwalk.branch_words import table_of_special_points, told_branch
-from contwalk.errors import ContwalkError
 from contwalk.labels import EVERY_MEANING
+from contwalk.other_libraries import as_pandas, as_xarray
 from contwalk.signatures import is_iterated
 from contwalk.special_point import SpecialPoint
 
@@ -297,21 +296,12 @@ class Branch:
         return found
 
     def to_pandas(self) -> Any:
-        """`columns()` as a `pandas.DataFrame`.
+        """`columns()` as a `pandas.DataFrame`; see `other_libraries.as_pandas`."""
+        return as_pandas(self)
 
-        Raises
-        ------
-        ContwalkError
-            If pandas is not installed.
-        """
-        try:
-            pandas = import_module("pandas")
-        except ImportError as error:
-            raise ContwalkError(
-                "A branch as a pandas table needs pandas, which is not installed.",
-                "Install it with: pip install pandas. Or write CSV files with: contwalk export DB --csv DIR",
-            ) from error
-        return pandas.DataFrame(self.columns())
+    def to_xarray(self) -> Any:
+        """Points and spectra as an `xarray.Dataset`; see `other_libraries.as_xarray`."""
+        return as_xarray(self)
 
     def _names_by_row(self) -> np.ndarray:
         """Names of the special points in the rows they have, separated by a space where they share one."""

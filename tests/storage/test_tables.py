@@ -79,17 +79,40 @@ def test_directory_that_cannot_be_made(run, tmp_path):
         write_tables(run, tmp_path / "out")
 
 
-def test_pandas_missing(run, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pandas", None)
+@pytest.mark.parametrize("library", ["pandas", "xarray"])
+def test_a_library_that_is_missing(run, monkeypatch, library):
+    monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(ContwalkError, match="not installed") as caught:
-        run["b1"].to_pandas()
-    assert "pip install pandas" in caught.value.remedy
+        getattr(run["b1"], f"to_{library}")()
+    assert f"pip install {library}" in caught.value.remedy
 
 
 def test_columns_reach_pandas(run, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
     table = run["b1"].to_pandas()
     assert table["q1"].tolist() == run.branch("b1")["q1"].tolist()
+
+
+def test_columns_and_spectra_reach_xarray(run, monkeypatch):
+    branch, given = run["b1"], {}
+    monkeypatch.setitem(
+        sys.modules, "xarray", SimpleNamespace(Dataset=lambda data, **rest: given.update(data=data, **rest))
+    )
+    branch.to_xarray()
+    assert given["data"]["q1"][0] == "point"
+    assert given["data"]["q1"][1].tolist() == branch["q1"].tolist()
+    assert given["data"]["spectrum"][0] == ("point", "number")
+    assert set(given["coords"]) == {"s", "special_point"}
+    assert not set(given["coords"]) & set(given["data"])
+    assert given["attrs"]["problem"] == branch.info.problem_by_name
+    assert {f"parameter_{name}" for name in branch.info.parameters} <= set(given["attrs"])
+
+
+def test_real_xarray(run):
+    xarray = pytest.importorskip("xarray")
+    made = run["b1"].to_xarray()
+    assert isinstance(made, xarray.Dataset)
+    assert dict(made.sizes) == {"point": 3, "number": run["b1"].info.spectrum}
 
 
 def test_real_pandas(run):
