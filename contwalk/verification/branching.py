@@ -59,6 +59,11 @@ class Unfolded(Equations):
         """The same place without e."""
         return replace(at, z=np.delete(at.z, self.own))
 
+    def rounded(self, at: Evaluation) -> np.ndarray:
+        """By how much rounding may change the residuals at a place, shape (m,)."""
+        there = self.equations.at(np.delete(at.z, self.own), at.relative)
+        return np.asarray(np.abs(self.rows) @ self.equations.rounded(there))
+
     def condition(self, number: int) -> Condition:
         """One of the numbers that all are zero where the derivatives lose a rank."""
 

@@ -10,15 +10,20 @@ import numpy as np
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.labels import LOCUS
 from contwalk.system import System
-from contwalk.verification.equations import Equations
+from contwalk.verification.branching import Unfolded
+from contwalk.verification.curves import of_curve, unfolds
+from contwalk.verification.equations import Equations, Evaluation
 from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, SLACK, CannotTell, Finding
 from contwalk.verification.orbit import OrbitEquations
-from contwalk.verification.passage import COARSER, TIGHT
+from contwalk.verification.passage import COARSER, EPSILON, TIGHT
 from contwalk.verification.records import equations_of, of_orbits
-from contwalk.verification.solving import Sheet, solved
+from contwalk.verification.rows import along_curve
+from contwalk.verification.solving import ROUGH, Sheet, solved
 
 # Ends at a limit that is a special point of its own.
 LIMITS = {"grazing": "GR", "order_change": "OC", "inadmissible": "AZ", "boundary_equilibrium": "BE"}
+# What is said where a curve of branch points is none any more.
+NOT_KEPT = "does not persist"
 Ranges = Mapping[str, tuple[float, float]]
 # An end is a limit that is not reached: so much nearer to it than where the branch is at its middle.
 NEARER = 0.1
@@ -43,10 +48,12 @@ def checked_end(system: System, branch: Branch, end: SpecialPoint, ranges: Range
                 point.label.startswith(LIMITS[word]) and point.s == end.s for point in branch.special_points
             )
             verdict, reason = _told(met, f"no {LIMITS[word]} is there")
+        elif NOT_KEPT in (end.note or ""):
+            verdict, reason = _comes_apart(system, branch, end)
         elif word == "closed":
             verdict, reason = _closed(system, branch)
         elif word == "unbounded":
-            verdict, reason = _unbounded(branch, end)
+            verdict, reason = _unbounded(branch, end, ranges)
         elif word == "homoclinic" and of_orbits(branch):
             verdict, reason = _homoclinic(system, branch, end)
         elif word == "shrunk" and of_orbits(branch):
@@ -79,22 +86,41 @@ def _bound(branch: Branch, end: SpecialPoint, ranges: Ranges) -> tuple[str, str]
     return _told(there, f"it is inside of its range: {told}")
 
 
+def _sizes_of_free(branch: Branch, row: int) -> np.ndarray:
+    """Sizes of the free parameters in the metric of a row, shape (k,)."""
+    weights = branch.points["weights"][row]
+    return np.asarray(weights[np.isfinite(weights)][: -1 - len(branch.info.free) : -1])
+
+
 def _closed(system: System, branch: Branch) -> tuple[str, str]:
     """The last row is one step from the start, and Newton's method goes there, to the same solution."""
-    if branch.info.problem == LOCUS:
-        raise CannotTell("whether a curve in two parameters comes back is not recomputed")
-    first, end = int(np.argmin(np.abs(branch["s"]))), len(branch) - 1
-    ways = np.abs(np.diff(branch["s"]))
-    apart = (branch["free"][end] - branch["free"][first]) / branch.points["weights"][end][-1]
-    if len(ways) < 2 or not np.all(np.abs(apart) <= 2.0 * ways[-1]):
+    first = int(np.argmin(np.abs(branch["s"])))
+    end = 0 if first else len(branch) - 1
+    sizes = _sizes_of_free(branch, end)
+    apart = np.linalg.norm((branch["free"] - branch["free"][first]) / sizes, axis=1)
+    if (
+        len(branch) < 3
+        or apart.max() <= SLACK * np.nan_to_num(branch.points["error"]).max() + COARSER * TIGHT
+    ):
+        return DISAGREES, "all its rows are one point to their errors"
+    step = abs(float(branch["s"][end] - branch["s"][end - 1 if end else 1]))
+    if first not in (0, len(branch) - 1) or apart[end] > 2.0 * step:
         return DISAGREES, "its last row is far from its start"
     start, last = equations_of(system, branch, first), equations_of(system, branch, end)
     if start.z.shape != last.z.shape:
         raise CannotTell("orbits at its two ends are not cut alike")
+    if unfolds(branch):
+        start, last = Unfolded(start), Unfolded(last)
     curve, sheet = Sheet(start, COARSER * TIGHT), Sheet(last, COARSER * TIGHT)
-    normal = np.linalg.pinv(curve.along)[0]
-    begin = solved(curve, [lambda at: float(normal @ (at.z - start.z))])
-    found = solved(sheet, [lambda at: float(normal @ (at.z - start.z))])
+    if branch.info.problem == LOCUS:
+        along, free = along_curve(branch, first, start), slice(start.size, None)
+        at_start = lambda at: float(along @ (at.z - start.z)[free])  # noqa: E731
+    else:
+        normal = np.linalg.pinv(curve.along)[0]
+        at_start = lambda at: float(normal @ (at.z - start.z))  # noqa: E731
+    spectra = branch.points["spectrum"]
+    begin = solved(curve, [*of_curve(branch, spectra[first], start, curve), at_start])
+    found = solved(sheet, [*of_curve(branch, spectra[end], last, sheet), at_start])
     differ, compared = np.abs(found.at.z - begin.at.z), np.ones(len(start.z), dtype=bool)
     if isinstance(start, OrbitEquations):  # the phase may be another one
         compared[: start.size - start.count - 1], compared[start.size - 1] = False, False
@@ -102,15 +128,41 @@ def _closed(system: System, branch: Branch) -> tuple[str, str]:
     return _told(bool(np.all((differ <= level)[compared])), "it comes back elsewhere than to its start")
 
 
-def _unbounded(branch: Branch, end: SpecialPoint) -> tuple[str, str]:
+def _comes_apart(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str]:
+    """Beside the end of a curve of branch points the branches that cross no longer do."""
+    row, inside = end.index, 1 if end.index == 0 else len(branch) - 2
+    equations = Unfolded(equations_of(system, branch, row))
+    sheet, k = Sheet(equations, COARSER * TIGHT), len(branch.info.free)
+    own = of_curve(branch, branch.points["spectrum"][row], equations, sheet)
+    along = along_curve(branch, row, equations)
+    step = float(along @ (branch["free"][row] - branch["free"][inside]))
+    ahead = solved(sheet, [*own, lambda at: float(along @ (at.z - equations.z)[-k:]) - step])
+    unfolded = abs(float(ahead.at.z[equations.own]))
+    if unfolded > SLACK * float(ahead.error[equations.own]):
+        return AGREES, ""
+    places = zip(branch.info.free, ahead.at.z[-k:], strict=True)
+    there = ", ".join(f"{name} = {value:.10g}" for name, value in places)
+    return DISAGREES, f"the branches that cross still do beyond it, at {there}"
+
+
+def _unbounded(branch: Branch, end: SpecialPoint, ranges: Ranges) -> tuple[str, str]:
     """The solution, or its period, is at its largest there, and far beyond what it is halfway."""
+    free = dict(zip(branch.info.free, branch.points["free"][end.index], strict=True))
+    if any(value in ranges.get(name, ()) for name, value in free.items()):
+        return DISAGREES, "it is at an end of its range"
     size = np.linalg.norm(
         np.column_stack([branch.points["state"], np.nan_to_num(branch.points["period"])]), axis=1
     )
-    return _told(
-        bool(size[end.index] >= size.max() and size[end.index] > np.median(size) / NEARER),
-        "its solution is not large there",
+    if size[end.index] < size.max():
+        return DISAGREES, "its solution is larger elsewhere"
+    # One that grows as a logarithm is not large yet: the parameter stands still beside it.
+    near = branch.points[end.index : end.index + 2] if end.index == 0 else branch.points[end.index - 1 :]
+    moved = np.linalg.norm(np.diff(near["state"], axis=0)) / max(float(size.max()), EPSILON)
+    still = (
+        float(np.linalg.norm(np.diff(near["free"], axis=0) / _sizes_of_free(branch, end.index)))
+        <= ROUGH * moved
     )
+    return _told(bool(still or size[end.index] > np.median(size) / NEARER), "its solution is not large there")
 
 
 def _homoclinic(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str]:
@@ -120,7 +172,8 @@ def _homoclinic(system: System, branch: Branch, end: SpecialPoint) -> tuple[str,
         return DISAGREES, "the period is longer elsewhere"
     equations = equations_of(system, branch, end.index)
     assert isinstance(equations, OrbitEquations)
-    leg = equations.at(equations.z, COARSER * TIGHT).legs[0]
+    at = equations.at(equations.z, COARSER * TIGHT)
+    leg = at.legs[0]
     p = equations.functions.parameters.at(equations.free)
     times = np.concatenate([piece.times for piece in leg.pieces])
     states = np.vstack([piece.states for piece in leg.pieces])
@@ -134,6 +187,7 @@ def _homoclinic(system: System, branch: Branch, end: SpecialPoint) -> tuple[str,
     size = float(np.linalg.norm(np.ptp(states, axis=0)))
     rest = _equilibrium(equations, leg.mode, slow, p)
     if rest is None or np.linalg.norm(rest[0] - slow) > NEARER * size:
+        _comes_back(equations, at)
         return DISAGREES, "the orbit is beside no equilibrium"
     return _told(float(speeds.min()) < NEARER * float(np.mean(speeds)), "the orbit does not slow down")
 
@@ -142,10 +196,12 @@ def _shrunk(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str
     """The orbit is small, and turns as fast as the equilibrium inside it swings."""
     equations = equations_of(system, branch, end.index)
     assert isinstance(equations, OrbitEquations)
-    states = np.vstack([piece.states for piece in equations.at(equations.z, COARSER * TIGHT).legs[0].pieces])
+    at = equations.at(equations.z, COARSER * TIGHT)
+    states = np.vstack([piece.states for piece in at.legs[0].pieces])
     p, mode = equations.functions.parameters.at(equations.free), equations.legs[0][0]
     rest = _equilibrium(equations, mode, states.mean(axis=0), p)
     if rest is None:
+        _comes_back(equations, at)
         return DISAGREES, "there is no equilibrium inside the orbit"
     _, matrix = rest
     size = float(np.max(np.ptp(states, axis=0) / equations._scale(mode)))
@@ -153,6 +209,17 @@ def _shrunk(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str
     return _told(
         size < NEARER and turn < NEARER, "the orbit is not small, or no eigenvalue swings with its period"
     )
+
+
+def _comes_back(equations: OrbitEquations, at: Evaluation) -> None:
+    """Refuse to tell of a motion whose deviations have grown beyond it.
+
+    Raises
+    ------
+    CannotTell
+    """
+    if not np.linalg.norm(at.residual) <= NEARER * np.linalg.norm(equations.scale):
+        raise CannotTell("the motion from its stored start does not come back: rounding has grown beyond it")
 
 
 def _equilibrium(

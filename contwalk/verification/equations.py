@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import BranchInfo
+from contwalk.numerics.linear import EPSILON
 from contwalk.verification.finding import CannotTell
 from contwalk.verification.functions import Functions
 
@@ -76,6 +77,10 @@ class Equations(ABC):
     @abstractmethod
     def at(self, z: np.ndarray, relative: float) -> Evaluation:
         """The equations at z, shape (N + k,), by a motion of a relative tolerance."""
+
+    def rounded(self, at: Evaluation) -> np.ndarray:
+        """By how much rounding may change the residuals at a place, shape (m,)."""
+        return np.asarray(EPSILON * (np.abs(at.jacobian) @ np.abs(at.z)))
 
     @property
     def rank(self) -> int:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import BranchInfo
+from contwalk.numerics.linear import EPSILON
 from contwalk.system import System
 from contwalk.verification.equations import Equations, Evaluation, basis, pin_rows, without
 from contwalk.verification.finding import CannotTell
@@ -46,6 +47,18 @@ class EquilibriumEquations(Equations):
             without(matrix, lefts, rights),
             relative,
         )
+
+    def rounded(self, at: Evaluation) -> np.ndarray:
+        """By how much rounding may change the residuals at a place, shape (m,).
+
+        Terms that cancel are rounded more than their sum says: residuals at places some roundings beside, but
+        for what the derivatives make of these, tell.
+        """
+        changes = []
+        for number in range(1, 9):
+            z = at.z * (1.0 + number * EPSILON * np.cos(number * np.arange(1.0, len(at.z) + 1.0)))
+            changes.append(self.at(z, 0.0).residual - at.residual - at.jacobian @ (z - at.z))
+        return np.asarray(np.max(np.abs(changes), axis=0))
 
     def across(self, z: np.ndarray) -> np.ndarray:
         """Orthonormal directions, shape (n, r), across what is pinned at z, shape (N + k,).

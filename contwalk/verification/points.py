@@ -69,7 +69,7 @@ def checked_point(system: System, branch: Branch, point: SpecialPoint) -> Findin
         sheet = Sheet(equations, COARSER * TIGHT)
         found = solved(sheet, conditions(sheet))
     except NotThere as failure:
-        return _lost(begun, failure, len(failure.first) - len(stored), stored, errors)
+        return _lost(begun, point, failure, stored, errors)
     except CannotTell as why:
         verdict = DISAGREES if isinstance(why, Contradiction) else CANNOT_TELL
         return replace(begun, verdict=verdict, reason=str(why))
@@ -151,11 +151,14 @@ def _one_of(label: str, point: SpecialPoint, equations: Equations, begin: Evalua
     raise CannotTell(f"What defines {label} is not recomputed.")
 
 
-def _lost(begun: Finding, failure: NotThere, size: int, stored: np.ndarray, errors: np.ndarray) -> Finding:
+def _lost(
+    begun: Finding, point: SpecialPoint, failure: NotThere, stored: np.ndarray, errors: np.ndarray
+) -> Finding:
     """A point to which Newton's method does not come back: its first step says how far it would be."""
+    size = len(failure.first) - len(stored)
     allowed = SLACK * (errors + failure.noise[size:])
     away = float(np.max(np.abs(failure.first[size:]) / np.maximum(allowed, np.spacing(np.abs(stored)))))
-    if away > 1.0:
+    if away > 1.0 and point.label not in ON:  # differences have noise, in which Newton's method may stop
         return replace(begun, verdict=DISAGREES, reason="what defines it has no solution near it")
     return replace(begun, reason=str(failure))
 

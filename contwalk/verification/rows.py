@@ -11,7 +11,7 @@ from contwalk.labels import LOCUS
 from contwalk.system import System
 from contwalk.verification.branching import Unfolded
 from contwalk.verification.curves import of_curve, unfolds
-from contwalk.verification.equations import Equations
+from contwalk.verification.equations import Equations, Evaluation
 from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, Finding
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import COARSER, TIGHT
@@ -37,7 +37,10 @@ def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
         return [replace(begun, reason=str(reason))]
     result = [_solution(begun, branch, row, equations, found, sheet.rounding(found.at))]
     if np.isfinite(found.at.matrix).all() and len(found.at.spectrum):
-        result += [_leading(begun, branch, row, found), _stability(begun, branch, row, equations, found)]
+        result += [
+            _leading(begun, branch, row, sheet.begin, found),
+            _stability(begun, branch, row, equations, found),
+        ]
     return result
 
 
@@ -46,10 +49,15 @@ def _conditions(branch: Branch, row: int, equations: Equations, sheet: Sheet) ->
     if not (own := of_curve(branch, branch.points["spectrum"][row], equations, sheet)):
         normal = np.linalg.pinv(sheet.along)[0]
         return [lambda at: float(normal @ (at.z - equations.z))]
-    free, sizes = slice(equations.size, None), equations.sizes[equations.size :]
+    along = along_curve(branch, row, equations)
+    return [*own, lambda at: float(along @ (at.z - equations.z)[equations.size :])]
+
+
+def along_curve(branch: Branch, row: int, equations: Equations) -> np.ndarray:
+    """The direction of a curve at a row, by which free parameters are measured in their sizes, shape (2,)."""
+    sizes = equations.sizes[equations.size :]
     tangent = branch.points["tangent"][row][: len(branch.unknowns(row))][[-1, -2]] / sizes
-    along = tangent / np.linalg.norm(tangent) / sizes
-    return [*own, lambda at: float(along @ (at.z - equations.z)[free])]
+    return np.asarray(tangent / np.linalg.norm(tangent) / sizes)
 
 
 def _solution(
@@ -78,21 +86,22 @@ def _solution(
     return replace(result, verdict=AGREES)
 
 
-def _leading(begun: Finding, branch: Branch, row: int, found: Solution) -> Finding:
-    """The leading eigenvalue."""
+def _leading(begun: Finding, branch: Branch, row: int, there: Evaluation, found: Solution) -> Finding:
+    """The leading eigenvalue; what the solution moved by, which is judged for itself, counts as an error."""
     at = branch.points[row]
     stored, spectrum = complex(at["spectrum"][0]), found.at.spectrum
     begun = replace(begun, quantity="leading eigenvalue")
     if not np.isfinite(stored) or not np.isfinite(at["spectrum_error"]):
         return replace(begun, reason="the row does not tell its leading eigenvalue")
     nearest = int(np.argmin(np.abs(spectrum - stored)))
+    shifted = float(np.abs(there.spectrum - spectrum[nearest]).min())
     result = replace(
         begun,
         stored=abs(stored),
         recomputed=float(abs(spectrum[nearest])),
         difference=float(abs(spectrum[nearest] - stored)),
         stored_error=float(at["spectrum_error"]),
-        own_error=float(found.spread[nearest] + np.spacing(np.abs(spectrum).max()) * len(spectrum)),
+        own_error=shifted + float(found.spread[nearest] + np.spacing(np.abs(spectrum).max()) * len(spectrum)),
     )
     if result.difference > SLACK * (result.stored_error + result.own_error):
         return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")

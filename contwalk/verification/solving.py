@@ -73,8 +73,8 @@ class Sheet:
     def rounding(self, at: Evaluation) -> np.ndarray:
         """How far rounding of the equations carries their solution, shape (N + k,)."""
         rows = np.vstack([self.left @ at.jacobian, np.linalg.pinv(self.along)])
-        level = np.abs(self.left) @ (np.abs(at.jacobian) @ np.abs(at.z))
-        return np.asarray(EPSILON * np.abs(np.linalg.inv(rows))[:, : len(level)] @ level)
+        level = np.abs(self.left) @ self.equations.rounded(at)
+        return np.asarray(np.abs(np.linalg.inv(rows))[:, : len(level)] @ level)
 
     def square(self, at: Evaluation) -> np.ndarray:
         """The independent equations' derivatives by the unknowns, shape (N, N)."""
@@ -122,9 +122,12 @@ def solved(sheet: Sheet, conditions: list[Condition]) -> Solution:
     error = np.maximum(np.abs(fine.z - coarse.z), np.abs(away)) + np.spacing(np.abs(fine.z))
     if equations.unit:  # errors of steps that both motions have in common add up to a few tolerances
         error += COARSER * TIGHT * equations.sizes
+    else:
+        error += sheet.rounding(fine)
     spread = np.array([])
     if np.isfinite(fine.matrix).all():
         spread = np.array([_nearest(coarse.spectrum, value) for value in fine.spectrum])
+        spread += _rounded_eigenvalues(fine.matrix)
     return Solution(fine, fine.z - equations.z, error, spread, first)
 
 
@@ -169,6 +172,21 @@ class NotThere(CannotTell):
 
 def _values(conditions: list[Condition], at: Evaluation) -> np.ndarray:
     return np.array([condition(at) for condition in conditions])
+
+
+def _rounded_eigenvalues(matrix: np.ndarray) -> np.ndarray:
+    """How exactly rounding of a matrix, (r, r), leaves its eigenvalues known, in the order of `eigvals`.
+
+    One that is double, with one vector, is known to the root of a rounding.
+    """
+    _, right = np.linalg.eig(matrix)
+    size = float(np.linalg.norm(matrix, 2)) if len(matrix) else 0.0
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return np.full(len(matrix), EPSILON**0.5 * size)
+    conditions = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
+    return np.asarray(EPSILON * size * np.minimum(conditions, EPSILON**-0.5))
 
 
 def _nearest(values: np.ndarray, value: complex) -> float:
