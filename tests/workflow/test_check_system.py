@@ -364,3 +364,22 @@ def test_model_that_cannot_be_built(tmp_path, monkeypatch):
         ("masses=1", "It raises RuntimeError: one is too few.")
     ]
     assert errors[0].line == build.__code__.co_firstlineno + 2
+
+
+@pytest.mark.parametrize(
+    "force", ["np.clip(x[0], -1.0, 1.0)", "np.clip(x, -1.0, 1.0)[0]", "min(max(x[0], -1.0), 1.0)"]
+)
+def test_a_force_that_is_cut_off_is_told_by_its_two_bends(tmp_path, force):
+    text = PENDULUMS[: PENDULUMS.index("from")] + (
+        "import numpy as np\n"
+        "from contwalk.system import Mode, Parameter, State, System\n\n"
+        "def field(t, x, p, dx):\n"
+        f"    dx[0] = p.a - {force} - 0.1 * x[0]\n"
+        "    dx[1] = -x[1]\n\n"
+        'SYSTEM = System("cut", (State("x", "m", about="place"), State("y", "m", about="width")),\n'
+        '    (Parameter("a", 0.0, "m/s", about="speed"),), (Mode("only", field),), reference="none")\n'
+    )
+    told = troubles(checked(tmp_path, text))
+    assert [finding.level for finding in told] == ["warning"] * 2
+    assert all("Its slopes jump here" in finding.sentence for finding in told)
+    assert {finding.line for finding in told} == {line_of(text, "dx[0]")}
