@@ -42,7 +42,7 @@ class Requests:
         while True:
             try:
                 request = pickle.load(self._stream)
-            except EOFError:
+            except (EOFError, pickle.UnpicklingError):  # the one that asked has ended, or in the middle of it
                 end_process(0)
             if isinstance(request, Drop):
                 self.dropped.add(request.task)
@@ -61,8 +61,11 @@ def main() -> None:
         while True:
             wanted = requests.next()
             for answer in _answers(wanted, requests.dropped):
-                pickle.dump(answer, answers, pickle.HIGHEST_PROTOCOL)
-                answers.flush()
+                try:
+                    pickle.dump(answer, answers, pickle.HIGHEST_PROTOCOL)
+                    answers.flush()
+                except BrokenPipeError:  # nobody is there to read it
+                    end_process(0)
 
 
 _WALKERS: dict[StudyText, Walker] = {}
