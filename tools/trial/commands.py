@@ -16,6 +16,7 @@ from pathlib import Path
 SOURCE = Path(__file__).with_name("faults.c")
 # Seconds and bytes that no command of a trial needs.
 LONGEST, LARGEST = 60, 4 << 30
+WORKERS = ("contwalk.workflow.worker", "spawn_main")  # not those with which Python keeps its own house
 PATIENCE = 20  # seconds in which processes that nobody asks any more end
 ARMED = "CONTWALK_TRIAL_FAULTS"
 
@@ -60,17 +61,16 @@ class Running:
         os.close(write)
 
     def worker(self) -> int | None:
-        """A process that it has begun, once there is one; None where it ends without."""
-        until = time.monotonic() + LONGEST
+        """A process that works for it, once there is one; None where it ends without."""
+        until, children = time.monotonic() + LONGEST, Path(f"/proc/{self._pid}/task/{self._pid}/children")
         while time.monotonic() < until:
             try:
-                begun = (
-                    Path(f"/proc/{self._pid}/task/{self._pid}/children").read_text(encoding="ascii").split()
-                )
+                for number in children.read_text(encoding="ascii").split():
+                    given = Path(f"/proc/{number}/cmdline").read_text(errors="replace")
+                    if any(name in given for name in WORKERS):
+                        return int(number)
             except OSError:
                 return None
-            if begun:
-                return int(begun[0])
             time.sleep(0.02)
         return None
 
