@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite, StartError
 from contwalk.numerics.linear import unit_in
+from contwalk.problems.locus.curve_of_orbits import KNOWN
 from contwalk.problems.orbit import remesh
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.transport import closed
@@ -18,9 +19,6 @@ from contwalk.problems.solving import newton_on
 # How much deviations may grow over a segment of equal duration: what a curve holds has second derivatives of
 # the flow in its slopes, which grow by the square of that.
 AT_EASE = 1e3
-# Orbits are known to this, in the metric: a chord may be off by a fiftieth of it, and steps are a hundredth
-# long where orbits change fast. Where steps of the walk's tolerance make larger errors they are finer.
-KNOWN = 1e-4
 # What steps that do not fit end in.
 FAILURES = (StartError, NotFinite, np.linalg.LinAlgError)
 
@@ -47,9 +45,8 @@ def adapted(curve: Any, sample: Sample) -> tuple[Any, Sample]:
     if KNOWN < error < np.inf and sample.orientation != 0.0:
         share = max(KNOWN / error, FINEST / curve.orbit.discretization.walking)
         try:
-            return _on_new_steps(_of_share(curve, sample, share), sample, _as_moved, again=True).examined(
-                sample
-            )
+            finer = _of_share(curve, sample, share)
+            return _on_new_steps(finer, sample, _as_moved, again=True).examined(sample)
         except FAILURES:
             pass
     if usual is not None:
@@ -124,7 +121,7 @@ def _on_new_steps(curve: Any, sample: Sample, closing: remesh.Closing[Any], agai
     there = curve.on(orbit, z, weights)
     if np.array_equal(z, sample.z) and not again:
         return _Place(there, z, tangent, weights)
-    z, tangent = _solved(there, z, tangent, weights, _way(curve, sample.z, sample.tangent, sample.weights))
+    z, tangent = _solved(there, z, tangent, weights, curve.way(sample.z, sample.tangent, sample.weights))
     return _Place(curve.on(orbit, z, weights), z, tangent, weights)
 
 
@@ -138,23 +135,9 @@ def _solved(
     normal = tangent / weights**2
     z = newton_on(there, z, weights, normal)
     tangent = there.linearize(z).tangent(normal, weights)
-    return z, tangent * (np.sign(_way(there, z, tangent, weights) @ way) or 1.0)
+    return z, tangent * (np.sign(there.way(z, tangent, weights) @ way) or 1.0)
 
 
 def _as_moved(orbit: Any, rough: Sample) -> tuple[Any, Sample] | None:
     """An orbit in other segments as it is, to be solved for by others; None where it has no value."""
     return (orbit, rough) if orbit.linearize(rough.z).finite else None
-
-
-def _way(curve: Any, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """How both parameters and the period change along a tangent, shape (3,): in whatever segments orbits are.
-
-    At a fold the equations of orbits on a line along the curve tell their own direction as well, and what is
-    made of both may point backwards.
-
-    z, tangent and weights have the shape (N + k + 2,).
-    """
-    there, own = curve.plane.first(z)
-    gradient, n = there.duration_gradient(own), curve.plane.size
-    rate = float(gradient[:n] @ tangent[:n] + gradient[-1] * tangent[-1])
-    return np.append(tangent[-2:] / weights[-2:], rate / there.duration(own))

@@ -13,8 +13,12 @@ from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.problem import Mirror
 from contwalk.problems.sample import Sample
 
-# Of two solutions that are one, the second parameters differ by less than this part of their magnitude.
+# Of two solutions that are one, parameters and periods differ by less than this part of their magnitude, or
+# by what they are known to.
 SAME_SECOND = 1e-6
+# Orbits are known to this, in the metric: a chord may be off by a fiftieth of it, and steps are a hundredth
+# long where orbits change fast. Where steps of the walk's tolerance make larger errors they are finer.
+KNOWN = 1e-4
 
 
 class CurveOfOrbits:
@@ -61,6 +65,10 @@ class CurveOfOrbits:
     def further(self, z: np.ndarray) -> np.ndarray:
         """What z, shape (N + k + 2,), has beside the orbit's unknowns and both parameters, shape (k,)."""
         return z[len(z) - 2 - self.curve.further : len(z) - 2]
+
+    def genuine(self, z: np.ndarray) -> bool:
+        """Whether anything bifurcates at z, shape (N + k + 2,): not at neutral saddles."""
+        return self.curve.genuine(self.further(z))
 
     def of_orbit(self, z: np.ndarray) -> np.ndarray:
         """Unknowns of the orbit with the first parameter, shape (N + 1,), of z or of weights like it."""
@@ -129,12 +137,30 @@ class CurveOfOrbits:
         return found
 
     def same(self, a: Sample, b: Sample) -> bool:
-        """Whether two solutions at the same first parameter are one; `b` is on this discretisation."""
-        if abs(a.z[-2] - b.z[-2]) > SAME_SECOND * b.weights[-2]:
+        """Whether two solutions at the same first parameter are one; `b` is on this discretisation.
+
+        Both are known to their errors, and lie apart along the curve by what these make of the parameter.
+        """
+        way = self.way(b.z, b.tangent, b.weights)
+        apart = np.append((b.z - a.z)[-2:] / b.weights[-2:], (b.period - a.period) / b.period)
+        ahead = float(apart @ way) / (float(way @ way) or 1.0)
+        known = max(SAME_SECOND, float(np.nan_to_num(min(a.error + b.error, KNOWN))))
+        if np.linalg.norm(apart - ahead * way) > known:
             return False
         there = self.plane.first(b.z)[0]
         first, second = (replace(s, z=self.of_orbit(s.z), weights=self.of_orbit(s.weights)) for s in (a, b))
-        return bool(there.same(first, second))
+        return bool(there.same(first, second, known + abs(ahead)))
+
+    def way(self, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """How both parameters and the period change along a tangent, shape (3,): in whatever segments orbits
+        are.
+
+        z, tangent and weights have the shape (N + k + 2,).
+        """
+        there, own = self.plane.first(z)
+        gradient, n = there.duration_gradient(own), self.plane.size
+        rate = float(gradient[:n] @ tangent[:n] + gradient[-1] * tangent[-1])
+        return np.append(tangent[-2:] / weights[-2:], rate / there.duration(own))
 
     def mirror(self, sample: Sample) -> Mirror | None:
         """Both halves of a curve are walked."""

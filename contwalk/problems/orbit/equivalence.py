@@ -22,17 +22,20 @@ ALIKE = 1e-6
 SEEN_FROM, PERHAPS = (4 * SAMPLES, 64 * SAMPLES), 1e-2
 
 
-def same(orbit: DiscretizedOrbit, a: Sample, b: Sample) -> bool:
-    """Whether two solutions at the same parameter are one orbit; `b` is on this discretisation."""
-    if abs(a.period - b.period) > ALIKE * abs(a.period):
+def same(orbit: DiscretizedOrbit, a: Sample, b: Sample, error: float = 0.0) -> bool:
+    """Whether two solutions at the same parameter are one orbit; `b` is on this discretisation.
+
+    `error` is what they are known to, against their size, where that is more than orbits on their own are.
+    """
+    if abs(a.period - b.period) > max(ALIKE, error) * abs(a.period):
         return False
     if not orbit.itinerary.eventful:
-        return first_passed(orbit, b.z, [orbit.first_state(a.z)]) is not None
+        return first_passed(orbit, b.z, [orbit.first_state(a.z)], error) is not None
     (there, known), weights = (orbit.bare(z) for z in (a.z, b.z)), orbit.bare(b.weights)
     if len(there) != len(known):
         return False
     there = orbit.nearest_turn(there, known)
-    return bool(np.linalg.norm((there - known) / weights) < 30.0 * ALIKE)
+    return bool(np.linalg.norm((there - known) / weights) < max(30.0 * ALIKE, error))
 
 
 def first_passed(
