@@ -70,6 +70,18 @@ class Spectrum:
         return int(np.count_nonzero(counted)) - int(np.count_nonzero(alone)) % 2
 
 
+def taken_out(values: np.ndarray, wanted: np.ndarray) -> tuple[list[int], list[int]]:
+    """Numbers of the values that are left, in their order, and of those nearest to wanted ones, each once.
+
+    The values have the shape (n,), the wanted ones (k,).
+    """
+    kept, taken = list(range(len(values))), list[int]()
+    for value in wanted:
+        taken.append(min(kept, key=lambda k: abs(values[k] - value)))
+        kept.remove(taken[-1])
+    return kept, taken
+
+
 def complement(generators: np.ndarray) -> np.ndarray:
     """Orthonormal basis of the complement of the neutral directions, shape (..., n, n - k)."""
     q, _ = np.linalg.qr(generators, mode="complete")

@@ -7,7 +7,7 @@ curve of Hopf points where c1 has the other sign than l2, a cycle of that amplit
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,24 +18,19 @@ from contwalk.errors import StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.equilibrium.points.hopf import Hopf
-from contwalk.problems.locus.doubled_orbits import amplitude_of_neutral, born_beside
+from contwalk.problems.locus.doubled_orbits import BornOrbits, amplitude_of_neutral, born_beside
 from contwalk.problems.locus.lines import whole_plane
 from contwalk.problems.locus.normal_forms import cubic_rate
-from contwalk.problems.locus.orbit_curves import CURVES
-from contwalk.problems.locus.orbit_locus import OrbitLocus
 from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.locus.points.point import sizes
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.problem import Seed
-from contwalk.problems.solving import newton_on
 
 # How far along the curve of Hopf points the first cycle is looked for, in the metric; the first that is found
 # counts. Nearer its fold is lost in that of the point itself.
 ASIDE = (1e-2, 3e-3, 3e-2, 1e-3, 1e-1, 3e-4)
 # Folds beside a point that lies so near to another one, as to a zero-Hopf point, that l2 is another there.
 NEARER = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
-# Of the amplitude that is expected, what is found is no cycle below this part, and another one above that.
-SMALLER, LARGER = 0.8, 1.25
 # A fold is another one too if its parameters are off by more than this part of how far from the point they
 # are: that is of the size of r^2 with the amplitude r, and they are off by that of r^4.
 OFF = 0.25
@@ -104,7 +99,7 @@ def _fold(problem: Any, z: np.ndarray, l2: float, origin: np.ndarray) -> Seed | 
     return found if norm(off) <= OFF * norm(aside) else None
 
 
-class _Cycles:
+class _Cycles(BornOrbits):
     """The cycles that are born at a Hopf point, on a line across the curve of these: along it none grows.
 
     Parameters
@@ -117,70 +112,32 @@ class _Cycles:
         How much the line leans along the curve.
     """
 
+    within = (0.8, 1.25)  # below it is no cycle, above it another one
+
     def __init__(self, problem: Any, z: np.ndarray, lean: float = 0.0) -> None:
-        values, self.free = problem.values_of(z), (problem.free, str(problem.plane.second))
-        self.typical = _typical(problem, values, self.free)
+        values, free = problem.values_of(z), (problem.free, str(problem.plane.second))
+        least = SHARE * np.array((1.0, 1.0) if problem.spans is None else problem.spans)
+        typical = np.maximum([abs(values[name]) for name in reversed(free)], least)
         seed = _cycles(problem, z, problem.kappa(z), _cubic_rate(problem, z))
         assert seed.tangent is not None
         born: Any = seed.problem
-        self.place = np.array([values[self.free[1]], values[self.free[0]]])
+        self.place = np.array([values[free[1]], values[free[0]]])
         there = problem.at(z)
-        along = kernel_direction(there.linearize(z).jacobian, sizes(there, z))[-2:]
-        along = along / self.typical
+        along = kernel_direction(there.linearize(z).jacobian, sizes(there, z))[-2:] / typical
         across = np.array([along[1] + lean * along[0], lean * along[1] - along[0]])
-        self.across = across / np.linalg.norm(across) * self.typical
-        rest = np.concatenate([seed.z[:-1], self.place])
-        self.orbit = OrbitPlane(born, self.free).on_tangent(rest, self.across)
-        self.rest = np.append(seed.z[:-1], 0.0)
-        self.units = np.append(filled_magnitudes(self.orbit, self.rest)[:-1], 1.0)
-        self.unit = float(np.linalg.norm(seed.tangent / self.units))
-        self.swing = seed.tangent / self.unit
+        self.across = across / np.linalg.norm(across) * typical
+        start = np.concatenate([seed.z[:-1], self.place])
+        orbit, rest = OrbitPlane(born, free).on_tangent(start, self.across), np.append(seed.z[:-1], 0.0)
+        units = np.append(filled_magnitudes(orbit, rest)[:-1], 1.0)
+        super().__init__(orbit, rest, seed.tangent, units, free, typical)
 
     def amplitude(self, r: float) -> float:
         """That in the metric, of one in the length of the critical vector."""
         return 2.0 * r * self.unit
 
-    def of(self, amplitude: float) -> np.ndarray:
-        """The cycle of an amplitude in the metric, shape (M + 1,).
-
-        Raises
-        ------
-        ContwalkError, LinAlgError
-            If there is none.
-        """
-        return newton_on(
-            self.orbit, self.rest + amplitude * self.swing, self.units, self.swing / self.units**2
-        )
-
-    def curve(
-        self,
-        label: str,
-        cycle: np.ndarray,
-        expected: float,
-        origin: np.ndarray,
-        further: Sequence[float] = (),
-    ) -> Seed | None:
-        """The curve of a bifurcation of the cycles, begun at a cycle of about the expected amplitude.
-
-        `further` are the unknowns that the curve has beside the cycle's, `origin` the second and the first
-        parameter at the point that it is born at, shape (2,). None where it has none of that amplitude.
-
-        The cycle has the shape (M + 1,).
-        """
-        made, n = self.orbit.finely(cycle), len(cycle) - 1
-        near = np.concatenate([cycle[:-1], further, self.place + cycle[-1] * self.across])
-        sizes_there = [filled_magnitudes(made, cycle)[:-1], np.ones(len(further)), self.typical]
-        weights = np.concatenate(sizes_there)
-        curve = OrbitLocus(OrbitPlane(made, self.free), CURVES[label], (near, weights))
-        held = np.concatenate([self.swing[:-1], np.zeros(len(near) - n)]) / weights**2
-        solved = newton_on(curve, near, weights, held)
-        amplitude = float(held[:n] @ (solved[:n] - self.rest[:-1])) / float(held[:n] @ self.swing[:-1])
-        if not SMALLER * expected < amplitude < LARGER * expected:
-            return None
-        # Towards the point itself cycles shrink to nothing: only the other way is walked.
-        away = kernel_direction(curve.linearize(solved).jacobian, weights)
-        away = away * (np.sign(float((away / weights**2)[-2:] @ (solved[-2:] - origin))) or 1.0)
-        return Seed(label, solved, away, None, curve, one_sided=True)
+    def place_of(self, z: np.ndarray) -> np.ndarray:
+        """On that line; z has the shape (M + 1,)."""
+        return self.place + z[-1] * self.across
 
 
 def tori_of_cycles(problem: Any, z: np.ndarray, leaning: Sequence[float] = (0.0,)) -> Sequence[Seed]:
@@ -221,20 +178,14 @@ def _torus(problem: Any, z: np.ndarray, r: float, origin: np.ndarray, lean: floa
     cycles = _Cycles(problem, z, lean)
 
     def growth(amplitude: float) -> float:
-        return float(np.log(abs(_turning(cycles.orbit, cycles.of(amplitude)))))
+        return float(np.log(abs(_turning(cycles.problem, cycles.of(amplitude)))))
 
     expected = amplitude_of_neutral(growth, r)
     if expected is None:
         return None
     guess = cycles.of(expected)
-    multiplier = _turning(cycles.orbit, guess)
+    multiplier = _turning(cycles.problem, guess)
     return cycles.curve("NS", guess, expected, origin, [multiplier.real / abs(multiplier)])
-
-
-def _typical(problem: Any, values: Mapping[str, float], free: Sequence[str]) -> np.ndarray:
-    """Typical magnitudes of the second and the first parameter, shape (2,)."""
-    least = SHARE * np.array((1.0, 1.0) if problem.spans is None else problem.spans)
-    return np.maximum([abs(values[name]) for name in reversed(free)], least)
 
 
 def _turning(orbit: Any, z: np.ndarray) -> complex:

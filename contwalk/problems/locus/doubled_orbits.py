@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.locus.orbit_curves import CURVES
+from contwalk.problems.locus.orbit_locus import OrbitLocus
 from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.problem import Seed
@@ -23,84 +24,125 @@ ASIDE = (1e-2, 3e-2, 3e-3, 1e-1, 3e-4, 1e-4, 3e-5, 1e-5)
 # The amplitude of the first of two orbits, over the root of that.
 AMPLITUDE = 0.3
 # What is looked for is expected no farther from that amplitude than by these factors; where it is, two other
-# orbits are measured, so many times and up to this amplitude, in typical magnitudes;
+# orbits are measured, so many times and up to this amplitude, in typical magnitudes.
 LEAST, MOST = 0.1, 6.0
 MEASURED, FAR = 3, 1.0
-# and what is found is what is expected where its amplitude is that by these.
-SMALLER, LARGER = 0.7, 1.4
 
 
-class DoubledOrbits:
-    """The orbits that are born at a doubling, by their amplitude.
+class BornOrbits:
+    """Orbits that are born at a bifurcation, by their amplitude.
 
     Parameters
     ----------
-    problem : OrbitLocus
-        The curve of doublings.
-    z : ndarray, shape (N + 2,)
-        One of its solutions.
-    origin : ndarray, shape (2,)
-        The second and the first parameter at the point that a curve is born at.
+    problem : PeriodicOrbit or HybridOrbit
+    rest : ndarray, shape (M + 1,)
+        What they are born from, as one of them.
+    direction : ndarray, shape (M + 1,)
+        The way to them.
+    sizes : ndarray, shape (M + 1,)
+        Typical magnitudes: the amplitude is the length in these.
+    free : tuple of str
+        Both parameters.
+    typical : ndarray, shape (2,)
+        Typical magnitudes of the second and the first one.
     """
 
-    def __init__(self, problem: Any, z: np.ndarray, origin: np.ndarray) -> None:
-        self._curve, self._z, self._origin = problem, z, origin
-        orbit, own = problem.plane.first(z)
-        (self._seed,) = orbit.finely(own).doubled_from(own)
-        self.problem: Any = self._seed.problem
-        self._sizes = filled_magnitudes(self.problem, self._seed.z)
-        self._sizes[-1] = problem.weights[-1]
-        assert self._seed.tangent is not None
-        self._swing = self._seed.tangent / np.linalg.norm(self._seed.tangent / self._sizes)
+    # What is found is what is expected where its amplitude is that by these factors.
+    within: ClassVar[tuple[float, float]]
 
-    @property
-    def free(self) -> float:
-        """The first parameter at the doubling."""
-        return float(self._seed.z[-1])
+    def __init__(
+        self,
+        problem: Any,
+        rest: np.ndarray,
+        direction: np.ndarray,
+        sizes: np.ndarray,
+        free: tuple[str, str],
+        typical: np.ndarray,
+    ) -> None:
+        self.problem, self.rest, self.sizes = problem, rest, sizes
+        self.unit = float(np.linalg.norm(direction / sizes))
+        self.swing = direction / self.unit
+        self.free, self.typical = free, typical
+
+    def place_of(self, z: np.ndarray) -> np.ndarray:
+        """The second and the first parameter at an orbit, shape (2,); z has the shape (M + 1,)."""
+        raise NotImplementedError
 
     def of(self, amplitude: float) -> np.ndarray:
-        """The doubled orbit of an amplitude, shape (M + 1,).
+        """The orbit of an amplitude, shape (M + 1,).
 
         Raises
         ------
         ContwalkError, LinAlgError
             If there is none.
         """
-        guess = self._seed.z + amplitude * self._swing
-        return newton_on(self.problem, guess, self._sizes, self._swing / self._sizes**2)
+        guess = self.rest + amplitude * self.swing
+        return newton_on(self.problem, guess, self.sizes, self.swing / self.sizes**2)
 
-    def curve(self, label: str, expected: float, further: Sequence[float] = ()) -> Seed | None:
-        """The curve of a bifurcation of the doubled orbits, begun at that of the expected amplitude.
+    def curve(
+        self,
+        label: str,
+        orbit: np.ndarray,
+        expected: float,
+        origin: np.ndarray,
+        further: Sequence[float] = (),
+    ) -> Seed | None:
+        """The curve of a bifurcation of these orbits, begun at one of about the expected amplitude.
 
-        `further` are the unknowns that the curve has beside the orbit's. None if there is none of about that
-        amplitude.
+        `further` are the unknowns that the curve has beside the orbit's, `origin` the second and the first
+        parameter at the point that it is born at, shape (2,). None where it has none of that amplitude.
+
+        The orbit has the shape (M + 1,).
         """
-        guess = self.of(expected)
-        first = np.concatenate([guess[:-1], [self._z[-2]], guess[-1:]])
-        there, place = OrbitPlane(self.problem, self._curve.plane.free).first(first)
-        made = there.finely(place)
-        near = np.concatenate([guess[:-1], further, first[-2:]])
-        sizes = [filled_magnitudes(made, place)[:-1], np.ones(len(further)), self._curve.weights[-2:]]
-        weights = np.concatenate(sizes)
-        curve = self._curve.on(made, near, weights, CURVES[label])
-        swing, n = self._swing[:-1], len(guess) - 1
-        held = np.concatenate([swing, np.zeros(len(near) - n)]) / weights**2
+        made, n = self.problem.finely(orbit), len(orbit) - 1
+        near = np.concatenate([orbit[:-1], further, self.place_of(orbit)])
+        weights = np.concatenate([filled_magnitudes(made, orbit)[:-1], np.ones(len(further)), self.typical])
+        curve = OrbitLocus(OrbitPlane(made, self.free), CURVES[label], (near, weights))
+        held = np.concatenate([self.swing[:-1], np.zeros(len(near) - n)]) / weights**2
         solved = newton_on(curve, near, weights, held)
-        amplitude = float(held[:n] @ (solved[:n] - self._seed.z[:-1])) / float(held[:n] @ swing)
-        if not SMALLER * expected < amplitude < LARGER * expected:
+        amplitude = float(held[:n] @ (solved[:n] - self.rest[:-1])) / float(held[:n] @ self.swing[:-1])
+        smaller, larger = self.within
+        if not smaller * expected < amplitude < larger * expected:
             return None
-        # Towards the point itself doubled orbits shrink to the single one: only the other way is walked.
+        # Towards the point itself the orbits shrink to what they are born from: only the other way is walked.
         away = kernel_direction(curve.jacobian(solved), weights)
-        away = away * (np.sign(float((away / weights**2)[-2:] @ (solved[-2:] - self._origin))) or 1.0)
+        away = away * (np.sign(float((away / weights**2)[-2:] @ (solved[-2:] - origin))) or 1.0)
         return Seed(label, solved, away, None, curve, one_sided=True)
 
 
+class DoubledOrbits(BornOrbits):
+    """The orbits that are born at a doubling.
+
+    Parameters
+    ----------
+    curve : OrbitLocus
+        The curve of doublings.
+    z : ndarray, shape (N + 2,)
+        One of its solutions.
+    """
+
+    within = (0.7, 1.4)
+
+    def __init__(self, curve: Any, z: np.ndarray) -> None:
+        orbit, own = curve.plane.first(z)
+        (seed,) = orbit.finely(own).doubled_from(own)
+        sizes = filled_magnitudes(seed.problem, seed.z)
+        sizes[-1] = curve.weights[-1]
+        super().__init__(seed.problem, seed.z, seed.tangent, sizes, curve.plane.free, curve.weights[-2:])
+        self._second = float(z[-2])
+
+    def place_of(self, z: np.ndarray) -> np.ndarray:
+        """The second parameter stays; z has the shape (M + 1,)."""
+        return np.array([self._second, z[-1]])
+
+
 def found_beside(
-    problem: Any, point: SpecialPoint, born: Callable[[DoubledOrbits, float], Seed | None]
+    problem: Any, point: SpecialPoint, born: Callable[[DoubledOrbits, float, np.ndarray], Seed | None]
 ) -> Sequence[Seed]:
     """What is born beside a point of a curve of doublings, at the first place that has it; else none.
 
-    `born` is asked with the doubled orbits to both sides of the point, and the amplitude to begin at.
+    `born` is asked with the doubled orbits to both sides of the point, the amplitude to begin at, and both
+    parameters of the point, shape (2,).
     """
     z = np.array(point.unknowns)
     there, own = problem.stored(z)
@@ -108,11 +150,8 @@ def found_beside(
     weights = np.concatenate([filled_magnitudes(orbit, own)[:-1], problem.weights[-2:]])
     # The borders of the curve's beginning need not fit here.
     curve = problem.on(orbit, z, weights)
-
-    def of_doubled(beside: np.ndarray, aside: float) -> Seed | None:
-        return born(DoubledOrbits(curve, beside, z[-2:]), AMPLITUDE * aside**0.5)
-
-    return born_beside(curve, z, curve.weights, ASIDE, of_doubled)
+    found = lambda beside, r: born(DoubledOrbits(curve, beside), AMPLITUDE * r**0.5, z[-2:])  # noqa: E731
+    return born_beside(curve, z, curve.weights, ASIDE, found)
 
 
 def born_beside(

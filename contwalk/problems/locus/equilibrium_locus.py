@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.numerics.linear import balanced, unit_in
-from contwalk.numerics.spectrum import EPSILON, Spectrum, keeps_volumes, spectrum
+from contwalk.numerics.spectrum import EPSILON, Spectrum, keeps_volumes, spectrum, taken_out
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.capabilities import OwnMeasures, OwnPlace
@@ -89,6 +89,10 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
     def kappa(self, z: np.ndarray) -> float:
         """Minus the square of the pair that it holds at z, shape (N + 1,); zero where it holds none."""
         return self.own(z) if self.curve.pair else 0.0
+
+    def genuine(self, z: np.ndarray) -> bool:
+        """Whether a pair that it holds at z, shape (N + 1,), is no neutral saddle's."""
+        return self.kappa(z) > 0.0
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, shape (N + 1,), by name."""
@@ -206,7 +210,7 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         zeros = len(self.pins) - len(declared)
         found = spectrum(jacobian[:n, :n], rate, rounding, jacobian[:n, declared], zeros)
         critical = self.critical_values(z)
-        kept = _beside(found.values, critical)
+        kept = np.array(taken_out(found.values, critical)[0], dtype=int)
         bordering, errors = None if found.bordering is None else found.bordering[kept], found.errors[kept]
         if len(kept) == len(critical) == 1 and keeps_volumes(jacobian[:n, :n], rate, rounding):
             # lambda and -lambda meet all along: the other one is no further one that passes zero
@@ -291,14 +295,6 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
     def mirror(self, sample: Sample) -> Mirror | None:
         """Both halves of a curve are walked."""
         return None
-
-
-def _beside(values: np.ndarray, critical: np.ndarray) -> np.ndarray:
-    """Numbers of the eigenvalues that are left when the critical ones are taken out, in their order."""
-    kept = list(range(len(values)))
-    for value in critical:
-        kept.remove(min(kept, key=lambda k: abs(values[k] - value)))
-    return np.array(kept, dtype=int)
 
 
 def plane_of(

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.numerics.spectrum import taken_out
+
 
 def lead_of_others(problem: Any, z: np.ndarray, eigenvalues: np.ndarray) -> tuple[float, ...]:
     """How far other eigenvalues are ahead of what is marked, and a pair past being two real ones.
@@ -29,9 +31,5 @@ def apart(problem: Any, z: np.ndarray, eigenvalues: np.ndarray) -> tuple[np.ndar
     """
     level, kappa = problem.curve.real_part, problem.kappa(z)
     own = np.array([1j, -1j]) * np.sqrt(complex(kappa)) if problem.curve.pair else np.zeros(1)
-    others, moved = eigenvalues, 0.0
-    for value in level + own:
-        nearest = int(np.argmin(np.abs(others - value)))
-        moved += float(others[nearest].real) - level
-        others = np.delete(others, nearest)
-    return others, moved
+    kept, taken = taken_out(eigenvalues, level + own)
+    return eigenvalues[kept], float(np.sum(eigenvalues[taken].real - level))

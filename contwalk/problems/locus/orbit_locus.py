@@ -11,6 +11,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import EPSILON, Factorization, unit_in
+from contwalk.numerics.spectrum import taken_out
 from contwalk.problems.capabilities import OwnMeasures, OwnMesh
 from contwalk.problems.linearization import Linearization
 from contwalk.problems.locus import adapting
@@ -348,13 +349,9 @@ def _beside(values: np.ndarray, critical: np.ndarray, held: np.ndarray) -> tuple
     """Numbers of the multipliers that are left when the critical ones are taken out, in their order, those
     last that are held as their partners; and which these are.
     """
-    kept, last = list(range(len(values))), []
-    for value in critical:
-        kept.remove(min(kept, key=lambda k: abs(values[k] - value)))
-    for value in held:
-        last.append(min(kept, key=lambda k: abs(values[k] - value)))
-        kept.remove(last[-1])
-    return np.array(kept + last, dtype=int), np.arange(len(kept) + len(last)) >= len(kept)
+    others = np.array(taken_out(values, critical)[0], dtype=int)
+    kept, last = taken_out(values[others], held)
+    return others[kept + last], np.arange(len(others)) >= len(kept)
 
 
 def _unstable(measures: np.ndarray, errors: np.ndarray, before: int | None) -> int:

@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import NotFinite
+from contwalk.problems.locus.valued import BESIDE
 from contwalk.problems.locus.valued_curves import measured
 from contwalk.problems.orbit.augmented import along
 from contwalk.problems.problem import Located, Sample
-
-# How far along the curve an observable is looked at for its rate, in the metric.
-BESIDE = 1e-4
 
 
 def value(problem: Any, name: str, z: np.ndarray) -> float:

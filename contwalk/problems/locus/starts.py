@@ -22,6 +22,7 @@ from contwalk.problems.locus.curves import (
     RealEigenvalueAt,
 )
 from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus, plane_of, spans_of
+from contwalk.problems.locus.persistence import not_followed
 from contwalk.problems.problem import MAX_RE
 from contwalk.system import Neutral, System
 
@@ -111,18 +112,6 @@ def _marked(system: System, point: SpecialPoint, free: tuple[str, str]) -> tuple
             return (PairAt(float(level)), kappa) if kappa > 0.0 else (RealEigenvalueAt(float(level)), 0.0)
     raise StartError(
         f"No curve in two parameters can be followed from {point.name or point.label}: "
-        f"{_not_followed(point, free)}",
+        f"{not_followed(point, free)}",
         "Mark a value of an observable of the system, of max_re, or of one of both parameters.",
     )
-
-
-def _not_followed(point: SpecialPoint, free: tuple[str, str]) -> str:
-    """Why a marked value has no curve, as the rest of a sentence."""
-    name, level = point.mark.get("name"), point.mark.get("value")
-    if name is None:
-        return "what is marked there is not stored (a database of an earlier version: compute it once more)."
-    if level is None:
-        return f"it is an extremum of {name}, and curves of extrema are not followed."
-    if name == MAX_RE:
-        return "a real eigenvalue vanishes there, and the LP or BP there has that curve."
-    return f"{name} stands still where {' and '.join(free)} vary."

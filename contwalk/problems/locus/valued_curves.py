@@ -15,6 +15,7 @@ from contwalk.problems.locus import second_derivatives
 from contwalk.problems.locus.flips import Flips
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curve import OrbitCurve
+from contwalk.problems.locus.persistence import not_followed
 from contwalk.problems.locus.valued import Valued, Values, in_plane
 from contwalk.quantities import PERIOD
 
@@ -196,13 +197,9 @@ def marked_at(orbit: Any, point: SpecialPoint, free: tuple[str, str]) -> OrbitCu
             return ParameterAt(str(name), -1 - free.index(str(name)), float(level))
         if name == PERIOD or quantities.known(str(name), orbit.observable_names):
             return ObservableAt(str(name), float(level))
-    why = f"{name} stands still where {' and '.join(free)} vary."
-    if name is None:
-        why = "what is marked there is not stored (a database of an earlier version: compute it once more)."
-    elif level is None:
-        why = f"it is an extremum of {name}, and curves of extrema are not followed."
     raise StartError(
-        f"No curve in two parameters can be followed from {point.name or point.label}: {why}",
+        f"No curve in two parameters can be followed from {point.name or point.label}: "
+        f"{not_followed(point, free)}",
         "Mark a value of an observable, of the period, or of one of both parameters.",
     )
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from contwalk.problems.locus.count_change import CountChange
 from contwalk.problems.locus.orbit_points.crossing import Crossing
 from contwalk.problems.locus.orbit_points.cubic import Chenciner, GeneralizedDoubling
 from contwalk.problems.locus.orbit_points.cusp import CuspOfCycles
 from contwalk.problems.locus.orbit_points.degenerate_grazing import DegenerateGrazing
 from contwalk.problems.locus.orbit_points.halves import R2OfHalves, TwoOfHalves
 from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
-from contwalk.problems.locus.orbit_points.marked_value import CountChange, EndPoint, MarkedValue
-from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
+from contwalk.problems.locus.orbit_points.marked_value import EndPoint, MarkedValue
 from contwalk.problems.locus.orbit_points.resonances import (
     R3,
     R4,
@@ -24,11 +24,12 @@ from contwalk.problems.locus.orbit_points.where_branches_cross import (
     R1OnBranchPoints,
     WhereBranchesCross,
 )
+from contwalk.problems.problem import PointType
 
 _MARKS = (MarkedValue(), EndPoint())
 _OF_ALL = (Crossing(), *_MARKS)
 _ON_TORI = (Chenciner(), R1OnTori(), R2OnTori(), R3(), R4())
-POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
+POINT_TYPES: dict[str, tuple[PointType, ...]] = {
     "LP": (
         CuspOfCycles(),
         R1OnFolds(),

@@ -108,7 +108,7 @@ class GeneralizedDoubling(VanishingCubic):
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of folds of doubled orbits that is born there."""
-        births: Any = import_module("contwalk.problems.locus.doubled_folds")  # it knows curves of orbits
+        births: Any = import_module("contwalk.problems.locus.doubled_births")  # it knows curves of orbits
         found: Sequence[Seed] = births.folds_of_doubled_orbits(problem, point)
         return found
 

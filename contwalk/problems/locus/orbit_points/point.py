@@ -11,14 +11,12 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held, evaluated
+from contwalk.problems.locus.valued import BESIDE
 from contwalk.problems.orbit import normal_forms_of_codim_two
 from contwalk.problems.orbit.augmented import Augmented, along
 from contwalk.problems.orbit.multipliers import GLOBAL
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.problem import Located, PointType, Sample
-
-# How far along the curve a function is looked at for its slope, in the metric.
-BESIDE = 1e-4
 
 # Kind, coefficients and note of a special point.
 Form = tuple[str | None, dict[str, Any], str | None]

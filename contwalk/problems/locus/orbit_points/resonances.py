@@ -164,5 +164,5 @@ class R2OnDoublings(SecondMultiplier):
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of tori, and that of the tori of doubled orbits where these have any."""
-        births: Any = import_module("contwalk.problems.locus.doubled_tori")  # it knows curves of orbits
+        births: Any = import_module("contwalk.problems.locus.doubled_births")  # it knows curves of orbits
         return [*super().seeds(problem, point), *births.tori_of_doubled_orbits(problem, point)]

@@ -58,7 +58,7 @@ class TwoAtOnce(OrbitLocusPoint):
             return False
         value = complex(sample.eigenvalues[which])
         told = "NS" if value.imag != 0.0 else "LP" if value.real > 0.0 else "PD"
-        return told == self.other and problem.curve.genuine(problem.further(sample.z))
+        return told == self.other and problem.genuine(sample.z)
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The conditions of both curves."""

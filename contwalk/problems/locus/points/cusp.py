@@ -7,6 +7,7 @@ from typing import Any
 from contwalk.branch import Outcome
 from contwalk.problems.equilibrium.points.point import Form
 from contwalk.problems.locus.normal_forms import cusp_coefficient
+from contwalk.problems.locus.persistence import place_of
 from contwalk.problems.locus.plane import FloatPlace
 from contwalk.problems.locus.points.degenerate_crossing import form_of, is_pitchfork, quadratic, touched
 from contwalk.problems.locus.points.persisting import better, persists
@@ -35,15 +36,11 @@ class Cusp(LocusPoint):
         settled = None if found is None or not is_pitchfork(problem, found, sample) else found.settled()
         if settled is None:
             return None
-        values = problem.values_of(settled.z)
-        place = ", ".join(
-            f"{name} = {values[name]:.6g}" for name in (problem.free, str(problem.plane.second))
-        )
         end = Outcome(
             "complete",
             "rejoined",
-            f"The folds become pitchforks near {place}: what follows are their mirror images, at the same "
-            "parameters. Nothing to do.",
+            f"The folds become pitchforks near {place_of(problem, settled.z, 6)}: what follows are their "
+            "mirror images, at the same parameters. Nothing to do.",
         )
         return settled, end
 

@@ -41,7 +41,7 @@ class DoubleHopf(LocusPoint):
 
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:
         """A complex pair, where the curve's own is imaginary."""
-        return bool(sample.eigenvalues[which].imag != 0.0) and problem.kappa(sample.z) > 0.0
+        return bool(sample.eigenvalues[which].imag != 0.0) and problem.genuine(sample.z)
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The double Hopf point near a sample."""

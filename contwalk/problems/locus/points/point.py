@@ -15,14 +15,12 @@ from contwalk.problems.equilibrium.defining_systems import solve
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint
 from contwalk.problems.locus.conditions import Augmented, Condition, Function, defining_system
 from contwalk.problems.locus.curves import Curve
+from contwalk.problems.locus.persistence import NOTHING
 from contwalk.problems.locus.plane import Plane
 from contwalk.problems.problem import Located, Sample, Seed
 
 # A kappa this small against where Newton's method began is the double zero, which solves the same equations.
 DEGENERATE = 1e-6
-
-# An unfolding below so many roundings of the equations is nothing: parameters such as pi are rounded too.
-NOTHING = 16.0
 # How far from a special point the other curve through it is begun, in typical magnitudes.
 BORN_BESIDE = 1e-2
 

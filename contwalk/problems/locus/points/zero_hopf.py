@@ -133,7 +133,7 @@ class ZeroOnHopf(ZeroHopf):
 
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:
         """A real eigenvalue, where the curve's own pair is imaginary."""
-        return bool(sample.eigenvalues[which].imag == 0.0) and problem.kappa(sample.z) > 0.0
+        return bool(sample.eigenvalues[which].imag == 0.0) and problem.genuine(sample.z)
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Iterator[Seed]:
         """The curve of folds, and that of tori of the cycles; raises what `_tori` does, at last."""
