@@ -106,12 +106,16 @@ class Linearization:
             return 0.0, float("inf")
 
     def parameter_error(self, row: np.ndarray, weights: np.ndarray, levels: np.ndarray) -> float:
-        """What errors of the equations do to the last unknown; what is held has the gradient `row`.
+        """What errors of the equations do to the last unknown; as `error_of`."""
+        return self.error_of(-1, row, weights, levels)
+
+    def error_of(self, which: int, row: np.ndarray, weights: np.ndarray, levels: np.ndarray) -> float:
+        """What errors of the equations do to an unknown; what is held has the gradient `row`.
 
         The row and the weights have the shape (N + 1,), the levels of the errors (N,).
         """
         try:
-            own = self.bordered(row, weights).solve_adjoint(np.eye(len(row))[-1])[: len(levels)]
+            own = self.bordered(row, weights).solve_adjoint(np.eye(len(row))[which])[: len(levels)]
         except np.linalg.LinAlgError:
             return float("inf")
         return float(np.abs(own) @ levels)

@@ -9,16 +9,19 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.errors import NotFinite
+from contwalk.errors import ContwalkError, NotFinite
 from contwalk.numerics.hermite_curve import HermiteCurve
+from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.capabilities import Diagnosis
 from contwalk.problems.kink import Met
 from contwalk.problems.locus.orbit_points.point import known_to
 from contwalk.problems.locus.orbit_points.touches import left_its_leg
-from contwalk.problems.locus.persistence import not_persistent, unfolds
+from contwalk.problems.locus.persistence import not_persistent, place_of, unfolds
 from contwalk.problems.orbit.homoclinic import saddle_ahead
 from contwalk.problems.orbit.vanishing import shrunk
+from contwalk.problems.problem import Located
 from contwalk.problems.sample import Sample
+from contwalk.problems.solving import newton_on
 
 # Cycles this small, against the largest of the curve, have shrunk to nothing.
 NEARLY_SHRUNK = 2e-2
@@ -48,14 +51,40 @@ class OrbitLocusDiagnosis(Diagnosis):
         """Branch points that do not persist, touches that leave their leg, and where the orbits end."""
         if self.unfolded(b.z):
             return Outcome("failed", "no_convergence", not_persistent(self._problem, b.z))
-        reasons = [self._leaves_its_leg, self._orbits_end, self._shrinks, self._rejoins]
+        reasons = [self._leaves_its_leg, self._comes_to_a_limit, self._orbits_end, self._shrinks]
+        reasons += [self._rejoins]
         if self._plane.orbit.in_closure:  # of which alone steps are as fine as curves ask for
             reasons += [self._comes_to_a_loop, self._lost]
         return next((found for reason in reasons if (found := reason(a, b))), None)
 
     def _leaves_its_leg(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve of grazings where the touch comes to the instant of another event."""
-        return left_its_leg(self._problem, b.z, self._place(b))
+        return left_its_leg(self._problem, b.z, place_of(self._problem, b.z))
+
+    def _comes_to_a_limit(self, a: Sample, b: Sample) -> Outcome | None:
+        """The end of a curve at a limit that is no farther ahead than its solutions are known to.
+
+        Where a leg comes to last no time as its guard loses its rate, what the curve holds is 0/0: errors
+        grow as the way that is left shrinks, and the walk would go to and fro on them.
+        """
+        length = float(np.linalg.norm((b.z - a.z) / a.weights))
+        limited = self._problem.limited
+        if limited is None or not length < b.error / BLIND:
+            return None
+        least = int(np.argmin(left := _left_until_zero(a.margins, b.margins) * length))
+        if not left[least] < b.error:
+            return None
+        own, places = limited.limits[least].own, self._problem.margins(b.z).places
+        share = float(np.nan_to_num(places[least], nan=1.0)) if least < len(places) else 1.0
+        lasts = float(b.z[self._plane.orbit.layout.durations][own.leg])
+        found = Located(b.z, b.error, limit=least, data=share * lasts)
+        return Outcome(
+            "stopped",
+            limited.limits[least].type.reason,
+            f"{limited.stopped(found, b)} So it is to what the orbits are known to there ({b.error:.1e} of "
+            "their size), and what the curve holds is not known nearer. To go on, start at a limit of the "
+            "orbits beyond it.",
+        )
 
     def _comes_to_a_loop(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve that comes to homoclinic or heteroclinic orbits.
@@ -74,7 +103,8 @@ class OrbitLocusDiagnosis(Diagnosis):
             "homoclinic",
             f"The period runs off ({orbit.system.lasting(b.period, '.4g')} here) while the orbits creep past "
             f"the saddle {saddle}: the curve comes to homoclinic or heteroclinic orbits near "
-            f"{self._place(b)}, where double precision does not tell what it holds. Nothing to do.",
+            f"{place_of(self._problem, b.z)}, where double precision does not tell what it holds. Nothing to "
+            "do.",
         )
 
     def _lost(self, a: Sample, b: Sample) -> Outcome | None:
@@ -88,13 +118,9 @@ class OrbitLocusDiagnosis(Diagnosis):
         return Outcome(
             "failed",
             "no_convergence",
-            f"The curve cannot be followed beyond {self._place(b)}: its orbits are known to {b.error:.1e} of "
-            "their size only, however fine the steps are. End the range before it.",
+            f"The curve cannot be followed beyond {place_of(self._problem, b.z)}: its orbits are known to "
+            f"{b.error:.1e} of their size only, however fine the steps are. End the range before it.",
         )
-
-    def _place(self, sample: Sample) -> str:
-        values = self._plane.values_of(sample.z)
-        return ", ".join(f"{name} = {values[name]:.10g}" for name in self._plane.free)
 
     def _rejoins(self, a: Sample, b: Sample) -> Outcome | None:
         """The end of a curve whose orbits become their parent: one gone through twice, or its own image.
@@ -102,21 +128,16 @@ class OrbitLocusDiagnosis(Diagnosis):
         Beyond it the same orbits follow, half a closure later or as images: so it is of tori of doubled
         orbits at a resonance 1:2, and of their folds at a generalized doubling.
         """
-        before = self._asymmetries(a.z)
-        if not any(apart > APPARENT for apart in before.values()):
-            return None
-        after = self._asymmetries(b.z)
+        before = {name: apart for name, apart in self._asymmetries(a.z).items() if apart > APPARENT}
+        after = self._asymmetries(b.z) if before else {}
         for name, first in before.items():
             last = after.get(name, 0.0)
-            if not first > APPARENT:
-                continue
             share = first / (first + last)
             between = HermiteCurve((a.z, b.z), (a.tangent, b.tangent), a.weights).guess(share)
             left = self._asymmetries(between).get(name, np.inf)
             if last > APPARENT and left > PASSED * min(first, last):
                 continue
-            values = self._plane.values_of(between if last > APPARENT else b.z)
-            place = ", ".join(f"{free} = {values[free]:.6g}" for free in self._plane.free)
+            place = place_of(self._problem, between if last > APPARENT else b.z, 6)
             return Outcome(
                 "complete",
                 "rejoined",
@@ -146,20 +167,33 @@ class OrbitLocusDiagnosis(Diagnosis):
         before, after = a.magnitudes[:n], b.magnitudes[:n]
         if not (np.all(after < NEARLY_SHRUNK * b.weights[:n]) and np.all(after < before)):
             return None
-        values = self._plane.values_of(b.z)
-        place = ", ".join(f"{name} = {values[name]:.6g}" for name in self._plane.free)
         return shrunk(
-            f"The orbit shrinks onto an equilibrium near {place}: a curve of Hopf points has a point there "
-            "at which this curve is born. Nothing to do."
+            f"The orbit shrinks onto an equilibrium near {place_of(self._problem, b.z, 6)}: a curve of Hopf "
+            "points has a point there at which this curve is born. Nothing to do."
         )
 
     def unfolded(self, z: np.ndarray) -> bool:
-        """Whether a branch point at z, shape (N + k + 2,), would need the equations to be others."""
+        """Whether a branch point at z, shape (N + k + 2,), would need the equations to be others.
+
+        What errors of the steps do to them is not that: it is asked again on the finest steps, and is none
+        while it is no more than these leave.
+        """
         problem = self._problem
-        if not problem.curve.unfolds:
+        if not (problem.curve.unfolds and self._added(problem, z)):
             return False
+        try:
+            fine, weights = problem.finest(z, problem.weights), problem.weights
+            normal = kernel_direction(fine.jacobian(z), weights) / weights**2
+            z = newton_on(fine, z, weights, normal)
+            known = fine.linearize(z).error_of(self._plane.size, normal, weights, fine.errors_at(z))
+        except (ContwalkError, np.linalg.LinAlgError):
+            return True
+        return bool(abs(float(problem.further(z)[0])) > known and self._added(fine, z))
+
+    def _added(self, problem: Any, z: np.ndarray) -> bool:
+        """Whether what is added to the equations is more than their rounding; z as of `unfolded`."""
         change = float(problem.further(z)[0]) * problem.condition.system.unfolding[:, 0]
-        return unfolds(self._plane, z, change)
+        return unfolds(problem.plane, z, change)
 
     def _orbits_end(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the curve ends between two neighbouring orbits, if these do: they lie on one line."""
@@ -223,3 +257,13 @@ class OrbitLocusDiagnosis(Diagnosis):
             return False
         sizes = np.linalg.svd(jacobian / rows[:, None], compute_uv=False)
         return bool(sizes[-1] <= MANY * known_to(problem))
+
+
+def _left_until_zero(first: np.ndarray, last: np.ndarray) -> np.ndarray:
+    """How far margins are from zero on a straight line through two values, in units of the way between.
+
+    Infinite where they do not come nearer. All have the shape (k,).
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = last / (first - last)
+    return np.where((last > 0.0) & (last < first), left, np.inf)
