@@ -32,7 +32,7 @@ def height(t, x, p):
     return x[0, 0]
 
 
-SYSTEM = System(observables=(Observable("height", height),), """
+SYSTEM = System("""
 
 
 def plugin(folder):
@@ -81,7 +81,8 @@ def test_of_a_run_it_is_told_after_half_a_minute(folder, where):
     if where == "import":
         text += "\nwhile True:\n    pass\n"
     elif where == "worker":
-        text = text.replace("import", "import sys\nimport", 1).replace("SYSTEM = System(", WORKER, 1)
+        text = "import sys\n" + text.replace("SYSTEM = System(", WORKER, 1)
+        text = text.replace("lambda t, x, p: x[:, 0].max()", "height")
     else:
         text = text.replace("    dx[1] = p.a - x[1]\n", "    while True:\n        pass\n")
     (folder / "fork.py").write_text(text, encoding="utf-8")
@@ -94,5 +95,5 @@ def test_of_a_run_it_is_told_after_half_a_minute(folder, where):
         process.kill()
         process.communicate()
     assert "has not come back for 30 s; it is at" in line
-    number = 1 + text[: text.index("while True")].count("\n")
+    number = 1 + text[: text.index("while ")].count("\n")
     assert any(f"{Path('fork.py').name}, line {n}." in line for n in (number, number + 1))
