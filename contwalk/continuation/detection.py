@@ -35,6 +35,7 @@ from contwalk.continuation.locating import (
     Found,
     Subsegment,
     accepted,
+    around,
     first_accepted,
     locate,
     locate_multiple,
@@ -105,7 +106,7 @@ def _in_three_parts(segment: Segment, hidden: Disagreement, theta: float) -> lis
     Disagreement, LostBranch
         As well where the finest steps hide it too, or count otherwise where they begin and end.
     """
-    finer = on_finest_steps(segment, theta, hidden.type)
+    finer = on_finest_steps(segment, hidden.type, around(theta))
     if finer is None:
         raise hidden
     low, high = finer.sides

@@ -32,6 +32,8 @@ NEIGHBOURHOOD = 0.02
 # So many times what something is known to are beyond doubt.
 KNOWN = 10.0
 
+Sides = tuple[float, float]
+
 
 @dataclass(frozen=True)
 class Found:
@@ -220,11 +222,11 @@ def located_along(segment: Segment, kind: PointType, low: float, high: float, wh
     if theta is None:
         return None
     try:
-        finer = on_finest_steps(segment, theta, kind, low, high)
+        finer = on_finest_steps(segment, kind, around(theta, low=low, high=high))
     except Disagreement:
         finer = None
-    around, ends = (Subsegment(segment, (0.0, 1.0)), (low, high)) if finer is None else (finer, (0.0, 1.0))
-    part = around.part
+    whole, ends = (Subsegment(segment, (0.0, 1.0)), (low, high)) if finer is None else (finer, (0.0, 1.0))
+    part = whole.part
     position = theta if finer is None else _zero(part, kind, *ends)
     if position is None:
         return None
@@ -235,7 +237,7 @@ def located_along(segment: Segment, kind: PointType, low: float, high: float, wh
     known = blur * abs(float(part.chord[-1])) + sample.error * float(sample.weights[-1])
     error = max(known, float(np.spacing(abs(sample.parameter))))
     located: Located = Located(sample.z, error, problem=part.problem, which=which)
-    return around.placed(Found(position, kind, located, sample))
+    return whole.placed(Found(position, kind, located, sample))
 
 
 def _zero(segment: Segment, kind: PointType, low: float, high: float) -> float | None:
@@ -248,7 +250,7 @@ class Subsegment:
     """What lies between two positions of a segment, on steps of its own."""
 
     part: Segment
-    sides: tuple[float, float]
+    sides: Sides
 
     def placed(self, point: Found) -> Found:
         """A point of the part by its position on the whole segment."""
@@ -256,17 +258,13 @@ class Subsegment:
         return replace(point, theta=low + point.theta * (high - low))
 
 
-def on_finest_steps(
-    segment: Segment,
-    theta: float,
-    kind: PointType,
-    low: float = 0.0,
-    high: float = 1.0,
-    aside: float = NEIGHBOURHOOD,
-) -> Subsegment | None:
-    """What is around a position between two others, on the finest steps; a kind of point is in doubt there.
+def around(theta: float, aside: float = NEIGHBOURHOOD, low: float = 0.0, high: float = 1.0) -> Sides:
+    """The positions so far aside of one, between two others."""
+    return max(theta - aside, low), min(theta + aside, high)
 
-    It goes `aside` to both sides.
+
+def on_finest_steps(segment: Segment, kind: PointType, sides: Sides) -> Subsegment | None:
+    """What is between two positions on the finest steps; a kind of point is in doubt there.
 
     None where the problem has none, or the branch is lost.
 
@@ -275,14 +273,13 @@ def on_finest_steps(
     Disagreement
         If the equations have no value on them.
     """
-    sample = segment.at(theta)
+    sample = segment.at(0.5 * sum(sides))
     try:
         problem = finest(segment.problem, sample.z, segment.weights)
     except NotFinite as error:
         raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
     if problem is None:
         return None
-    sides = max(theta - aside, low), min(theta + aside, high)
     try:
         a, b = (segment.on(problem, side) for side in sides)
     except LostBranch:

@@ -12,7 +12,7 @@ import numpy as np
 from contwalk import quantities
 from contwalk.continuation.indicator import FINER, Indicator, between
 from contwalk.continuation.kinds import kind_of_test
-from contwalk.continuation.locating import Disagreement, Found, on_finest_steps, same_point, sample_at
+from contwalk.continuation.locating import Disagreement, Found, around, on_finest_steps, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
@@ -246,7 +246,7 @@ def _on_finest_steps(segment: Segment, name: str, theta: float) -> Sample | None
     None where solutions are not discretised, or where it is not found.
     """
     try:
-        finer = on_finest_steps(segment, theta, kind_of_test(segment.problem, Test.MARK))
+        finer = on_finest_steps(segment, kind_of_test(segment.problem, Test.MARK), around(theta))
         if finer is None:
             return None
         part = finer.part

@@ -107,14 +107,27 @@ def place_of_closure(segment: Segment, found: list[Found], origin: Sample) -> fl
 
 
 def _comes_back(segment: Segment, origin: Sample) -> float | None:
-    """Where a segment of orbits, which begin anywhere on themselves, passes a given one."""
-    a, b, value = segment.a.parameter, segment.b.parameter, origin.parameter
-    rounded = 1e-11 * segment.weights[-1]
-    passed = (a - value) * (b - value) < 0.0 or b == value  # met at its end, it is the step's
-    if not (passed and abs(a - value) > rounded) or (b - a) * origin.tangent[-1] < 0.0:
+    """Where a segment of orbits, which begin anywhere on themselves, passes a given one.
+
+    That is told by the parameter; of curves in two parameters, both of which may turn there, by these and the
+    period along the segment.
+    """
+    a, b, weights, plane = segment.a, segment.b, segment.weights[-2:], segment.problem.line.second is not None
+    value, weight = origin.parameter, weights[-1]
+    first, last = (a.parameter - value) / weight, (b.parameter - value) / weight
+    way = last - first
+
+    def beyond(sample: Sample) -> float:
+        moved, ahead = ((p.z[-2:] - q.z[-2:]) / weights for p, q in ((b, a), (sample, origin)))
+        later = (sample.period / origin.period - 1.0) * (b.period - a.period) / origin.period
+        return float(moved @ ahead + later) if plane else (sample.parameter - value) / weight * way
+
+    first, last = (beyond(a), beyond(b)) if plane else (first * way, last * way)
+    passed = last >= 0.0 and first < -1e-11 * (last - first) ** 0.5  # met at its end, it is the step's
+    if not passed or (not plane and way * origin.tangent[-1] < 0.0):
         return None
     try:
-        theta = 1.0 if b == value else zero_of(lambda t: segment.at(t).parameter - value, 0.0, 1.0)
+        theta = 1.0 if last == 0.0 else zero_of(lambda t: beyond(segment.at(t)), 0.0, 1.0)
         back = theta is not None and segment.problem.equivalence.same(origin, segment.at(theta))
         return theta if back else None
     except LostBranch:

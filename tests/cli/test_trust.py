@@ -7,6 +7,7 @@ import pytest
 import contwalk as cw
 from contwalk.errors import ContwalkError
 from contwalk.storage import stored_system
+from contwalk.workflow import runner
 
 # Whoever runs the plugin, or the module beside it, leaves a file behind.
 MARKED = "from pathlib import Path\nPath(__file__).with_suffix('.ran').touch()\n"
@@ -54,7 +55,8 @@ def test_nothing_runs_without_trust(contwalk, folder, database, arguments, code)
 def test_units_that_are_not_stored_are_not_shown(contwalk, folder, database, monkeypatch):
     """As in databases of earlier versions."""
     with monkeypatch.context() as patch:
-        patch.setattr("contwalk.plotting.quantities.units_of", lambda system: None)
+        known = runner.provenance
+        patch.setattr(runner, "provenance", lambda run_file: {**known(run_file), "units": None})
         assert contwalk("continue", "run.yaml", "--quiet", "--force").code == 0
     done = contwalk("show", database, "b1/BP1")
     assert done.code == 0

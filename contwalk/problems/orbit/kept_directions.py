@@ -103,12 +103,12 @@ def _declared(problem: DiscretizedOrbit, z: np.ndarray) -> Iterator[tuple[Map, b
 
     def kept(symmetry: Symmetry) -> bool:
         legs = problem.itinerary.legs
-        return symmetry.role == "spatial" and all(
-            imaged_leg(system, symmetry.name, leg) == leg for leg in legs
+        return symmetry.role == "spatial" and legs == tuple(
+            imaged_leg(system, symmetry.name, x) for x in legs
         )
 
     for product in products(system, problem.first_state(z), p):
-        if all(kept(symmetry) for symmetry in product.symmetries):
+        if all(map(kept, product.symmetries)):
             yield partial(product.state, p=p), len(product.symmetries) == 1
 
 
@@ -121,13 +121,12 @@ def _undeclared(problem: DiscretizedOrbit, z: np.ndarray) -> list[Permutation]:
     values = np.concatenate([problem.layout.inputs(0, z)[1], problem.line.constants])
     scale = problem.mesh.variation
 
+    beside = x + 0.1 * scale * np.cos(np.arange(1.0, n + 1.0))  # no permutation keeps that
+    here = velocity(passage, beside, 0.3, values)
+
     def keeps_field(order: Permutation) -> bool:
-        for k in (1, 2, 3):
-            beside = x + 0.1 * scale * np.cos(np.arange(1.0, n + 1.0) * k)
-            here, there = (velocity(passage, own, 0.3, values) for own in (beside, beside[list(order)]))
-            if not np.abs(there - here[list(order)]).max() <= SAME * np.abs(here).max():
-                return False
-        return True
+        off = velocity(passage, beside[list(order)], 0.3, values) - here[list(order)]
+        return bool(np.abs(off).max() <= SAME * np.abs(here).max())
 
     rounded = np.where(np.abs(x) <= EPSILON * scale, 0.0, x)
     return [order for order in automorphisms(whole, rounded) if keeps_field(order)]

@@ -39,7 +39,7 @@ def test_the_branch_that_crosses_leaves_towards_larger_parameters(monkeypatch, w
     """Whichever way its tangent has been found to face, and whatever its states do."""
     along, across = np.array([1.0, 0.0, 0.0]), way * np.array([-0.6, -0.6, 0.5])
     monkeypatch.setattr(branching, "directions", lambda *given: [along, across])
-    point = SimpleNamespace(tangent=along.tolist())
+    point = SimpleNamespace(tangent=along.tolist(), coefficients={})
     (seed,) = branching.crossing(made_up([[0.0, 1.0, 0.0], [0.0, 0.5, 0.0]]), Z, point)
     np.testing.assert_array_equal(seed.tangent, way * across)
 
@@ -48,6 +48,6 @@ def test_the_branch_that_crosses_leaves_towards_larger_parameters(monkeypatch, w
 def test_at_a_fixed_parameter_it_leaves_towards_what_changes_most(monkeypatch, way):
     along, across = np.array([0.0, 0.0, 1.0]), way * np.array([-0.3, 0.9, 0.0])
     monkeypatch.setattr(branching, "directions", lambda *given: [along, across])
-    point = SimpleNamespace(tangent=along.tolist())
+    point = SimpleNamespace(tangent=along.tolist(), coefficients={})
     (seed,) = branching.crossing(made_up([[0.0, 1.0, 0.0], [0.0, 0.5, 0.0]]), Z, point)
     np.testing.assert_array_equal(seed.tangent, way * across)
