@@ -69,8 +69,8 @@ class OrbitLocusDiagnosis(Diagnosis):
         """
         length = float(np.linalg.norm((b.z - a.z) / a.weights))
         limited = self._problem.limited
-        if limited is None or not length < b.error / BLIND:
-            return None
+        if limited is None or np.any(a.margins * b.margins < 0.0) or not length < b.error / BLIND:
+            return None  # one that is passed on the way is located
         least = int(np.argmin(left := _left_until_zero(a.margins, b.margins) * length))
         if not left[least] < b.error:
             return None
