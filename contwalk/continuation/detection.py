@@ -106,7 +106,7 @@ def _in_three_parts(segment: Segment, hidden: Disagreement, theta: float) -> lis
     Disagreement, LostBranch
         As well where the finest steps hide it too, or count otherwise where they begin and end.
     """
-    finer = on_finest_steps(segment, hidden.type, around(theta))
+    finer = on_finest_steps(segment, segment.at(theta), hidden.type, around(theta))
     if finer is None:
         raise hidden
     low, high = finer.sides

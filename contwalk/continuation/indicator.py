@@ -202,7 +202,7 @@ def _on_finest_steps(own: Indicator, theta: float) -> list[Found] | None:
     if abs(own.value(sample)) > max(CLOSE * ends, own.doubt(sample)):
         return None
     for aside in NEIGHBOURHOOD * 4.0 ** np.arange(4):  # as long as it is beyond zero on these
-        finer = on_finest_steps(segment, own.kind(sample), around(theta, aside))
+        finer = on_finest_steps(segment, sample, own.kind(sample), around(theta, aside))
         if finer is None:
             return None
         fine, part = own.on(finer.part), finer.part

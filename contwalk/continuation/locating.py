@@ -222,7 +222,7 @@ def located_along(segment: Segment, kind: PointType, low: float, high: float, wh
     if theta is None:
         return None
     try:
-        finer = on_finest_steps(segment, kind, around(theta, low=low, high=high))
+        finer = on_finest_steps(segment, segment.at(theta), kind, around(theta, low=low, high=high))
     except Disagreement:
         finer = None
     whole, ends = (Subsegment(segment, (0.0, 1.0)), (low, high)) if finer is None else (finer, (0.0, 1.0))
@@ -263,8 +263,8 @@ def around(theta: float, aside: float = NEIGHBOURHOOD, low: float = 0.0, high: f
     return max(theta - aside, low), min(theta + aside, high)
 
 
-def on_finest_steps(segment: Segment, kind: PointType, sides: Sides) -> Subsegment | None:
-    """What is between two positions on the finest steps; a kind of point is in doubt there.
+def on_finest_steps(segment: Segment, near: Sample, kind: PointType, sides: Sides) -> Subsegment | None:
+    """What is between two positions on the finest steps; a kind of point is in doubt at a sample there.
 
     None where the problem has none, or the branch is lost.
 
@@ -273,9 +273,8 @@ def on_finest_steps(segment: Segment, kind: PointType, sides: Sides) -> Subsegme
     Disagreement
         If the equations have no value on them.
     """
-    sample = segment.at(0.5 * sum(sides))
     try:
-        problem = finest(segment.problem, sample.z, segment.weights)
+        problem = finest(segment.problem, near.z, segment.weights)
     except NotFinite as error:
         raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
     if problem is None:

@@ -246,7 +246,8 @@ def _on_finest_steps(segment: Segment, name: str, theta: float) -> Sample | None
     None where solutions are not discretised, or where it is not found.
     """
     try:
-        finer = on_finest_steps(segment, kind_of_test(segment.problem, Test.MARK), around(theta))
+        kind = kind_of_test(segment.problem, Test.MARK)
+        finer = on_finest_steps(segment, segment.at(theta), kind, around(theta))
         if finer is None:
             return None
         part = finer.part

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import called
+from contwalk.numerics.permutations import Permutation, as_cycles, generating
 from contwalk.problems.problem import Problem, Test
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
@@ -61,6 +62,15 @@ def in_words(names: tuple[str, ...]) -> str:
     """`the symmetry 'mirror'`, or `the symmetries 'swap', 'mirror' in turn`."""
     quoted = ", ".join(f"'{name}'" for name in names)
     return f"the symmetry {quoted}" if len(names) == 1 else f"the symmetries {quoted} in turn"
+
+
+def to_declare(permutations: Sequence[Permutation], names: tuple[str, ...], followed: str) -> str:
+    """That a field is unchanged under permutations of its states, and what is followed once that is said."""
+    cycles = " and ".join(as_cycles(p, names) for p in generating(permutations))
+    return (
+        f"the field is unchanged under {cycles}: declare it, symmetries=(Symmetry(...),), and {followed} "
+        "are followed that close up to it"
+    )
 
 
 def products(system: System, x: np.ndarray, p: ParameterValues) -> Iterator[Product]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.numerics.permutations import as_cycles, generating
+from contwalk.problems.images import to_declare
 from contwalk.problems.kink import FieldKink
 from contwalk.problems.orbit import volumes
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -39,10 +39,6 @@ KEPT = "{} of the orbits that leave, as symmetries keep them, up to images; othe
 NONE_KEPT = (
     "the orbits that leave are not followed, for no symmetry is known that tells their directions (one that "
     "is stable is found by simulating beside this value, start: {simulate: {state: {...}}})"
-)
-DECLARE = (
-    "; the field is unchanged under {}: declare it, symmetries=(Symmetry(...),), and orbits are followed "
-    "that close up to it"
 )
 
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
@@ -128,8 +124,7 @@ def _several(problem: OrbitData, z: np.ndarray, multiplier: float, count: int) -
     """What leaves where several multipliers are critical, in words."""
     kept, orders = problem.kept_directions(z, multiplier, count)
     told = TOGETHER.format(count, multiplier) + (KEPT.format(len(kept)) if kept else NONE_KEPT)
-    cycles = " and ".join(as_cycles(p, problem.system.state_names) for p in generating(orders))
-    return told + DECLARE.format(cycles) if orders else told
+    return f"{told}; {to_declare(orders, problem.system.state_names, 'orbits')}" if orders else told
 
 
 def _double(sample: Sample, critical: float) -> bool:

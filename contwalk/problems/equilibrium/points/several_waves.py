@@ -19,13 +19,14 @@ from itertools import product
 import numpy as np
 
 from contwalk.numerics.linear import EPSILON, Factored
-from contwalk.numerics.permutations import Permutation, as_cycles, generating
+from contwalk.numerics.permutations import Permutation
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import ROUNDINGS, SURE, Forms
 from contwalk.problems.equilibrium.permutations import permutations_at
 from contwalk.problems.equilibrium.points.lyapunov import SAME, CriticalSpace, critical_space
 from contwalk.problems.equilibrium.points.symmetric_vectors import symmetric_vectors
 from contwalk.problems.equilibrium.several_directions import ALONE, CONVERGED, MOST, STARTS, solutions
+from contwalk.problems.images import to_declare
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +69,7 @@ class Waves:
                 "others lie in a family as far as terms up to the third order tell, and are not followed"
             )
         if self.permutations:
-            cycles = " and ".join(as_cycles(p, names) for p in generating(self.permutations))
-            told.append(
-                f"the field is unchanged under {cycles}: declare it, symmetries=(Symmetry(...),), and waves "
-                "are followed that close up to it"
-            )
+            told.append(to_declare(self.permutations, names, "waves"))
         return "; ".join(told)
 
 
