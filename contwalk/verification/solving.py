@@ -127,7 +127,7 @@ def solved(sheet: Sheet, conditions: list[Condition]) -> Solution:
     spread = np.array([])
     if np.isfinite(fine.matrix).all():
         spread = np.array([_nearest(coarse.spectrum, value) for value in fine.spectrum])
-        spread += _rounded_eigenvalues(fine.matrix)
+        spread += rounded_eigenvalues(fine.matrix)
     return Solution(fine, fine.z - equations.z, error, spread, first)
 
 
@@ -174,18 +174,19 @@ def _values(conditions: list[Condition], at: Evaluation) -> np.ndarray:
     return np.array([condition(at) for condition in conditions])
 
 
-def _rounded_eigenvalues(matrix: np.ndarray) -> np.ndarray:
+def rounded_eigenvalues(matrix: np.ndarray) -> np.ndarray:
     """How exactly rounding of a matrix, (r, r), leaves its eigenvalues known, in the order of `eigvals`.
 
     One that is double, with one vector, is known to the root of a rounding.
     """
-    _, right = np.linalg.eig(matrix)
-    size = float(np.linalg.norm(matrix, 2)) if len(matrix) else 0.0
-    try:
-        left = np.linalg.inv(right)
-    except np.linalg.LinAlgError:
-        return np.full(len(matrix), EPSILON**0.5 * size)
-    conditions = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
+    from scipy.linalg import eig
+
+    if not len(matrix):
+        return np.zeros(0)
+    size = float(np.linalg.norm(matrix, 2))
+    _, left, right = eig(matrix, left=True, right=True)  # vectors of length one
+    with np.errstate(divide="ignore"):  # vectors of a defective matrix are at right angles
+        conditions = 1.0 / np.abs(np.sum(left.conj() * right, axis=0))
     return np.asarray(EPSILON * size * np.minimum(conditions, EPSILON**-0.5))
 
 
