@@ -11,7 +11,7 @@ from contwalk.labels import LOCUS
 from contwalk.system import System
 from contwalk.verification.branching import Unfolded
 from contwalk.verification.curves import of_curve, unfolds
-from contwalk.verification.equations import Equations, Evaluation
+from contwalk.verification.equations import Equations
 from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, Finding
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import COARSER, TIGHT
@@ -38,7 +38,7 @@ def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
     result = [_solution(begun, branch, row, equations, found, sheet.rounding(found.at))]
     if np.isfinite(found.at.matrix).all() and len(found.at.spectrum):
         result += [
-            _leading(begun, branch, row, sheet.begin, found),
+            _leading(begun, branch, row, equations, found),
             _stability(begun, branch, row, equations, found),
         ]
     return result
@@ -47,10 +47,24 @@ def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
 def _conditions(branch: Branch, row: int, equations: Equations, sheet: Sheet) -> list[Condition]:
     """What a curve is of, and that nothing moves along it."""
     if not (own := of_curve(branch, branch.points["spectrum"][row], equations, sheet)):
-        normal = np.linalg.pinv(sheet.along)[0]
-        return [lambda at: float(normal @ (at.z - equations.z))]
+        which, scale = _compared(branch, row, equations)
+        normal = sheet.along[which, 0] / scale**2
+        normal /= np.linalg.norm(normal * scale)
+        return [lambda at: float(normal @ (at.z - equations.z)[which])]
     along = along_curve(branch, row, equations)
     return [*own, lambda at: float(along @ (at.z - equations.z)[equations.size :])]
+
+
+def _compared(branch: Branch, row: int, equations: Equations) -> tuple[np.ndarray, np.ndarray]:
+    """Where the state at the start and the free parameters stand in z, and their weights in the metric.
+
+    What an orbit passes later is no word of the record: it is followed from its start, from which it may have
+    grown away.
+    """
+    k, weights = len(equations.free), branch.points[row]["weights"][: len(branch.unknowns(row))]
+    n = len(equations.first[0]) if isinstance(equations, OrbitEquations) else equations.rank
+    which = np.concatenate([np.arange(n), np.arange(len(equations.z) - k, len(equations.z))])
+    return which, np.concatenate([weights[:n], weights[: -1 - k : -1]])
 
 
 def along_curve(branch: Branch, row: int, equations: Equations) -> np.ndarray:
@@ -64,13 +78,8 @@ def _solution(
     begun: Finding, branch: Branch, row: int, equations: Equations, found: Solution, rounding: np.ndarray
 ) -> Finding:
     """How far the solution is from its row, in the row's own metric."""
-    at, k = branch.points[row], len(equations.free)
-    weights = at["weights"][: len(branch.unknowns(row))]
-    n = len(equations.first[0]) if isinstance(equations, OrbitEquations) else equations.rank
-    scale = np.concatenate([weights[:n], weights[: -1 - k : -1]])
-    moved = np.concatenate([found.moved[:n], found.moved[-k:]]) / scale
-    own = found.error + rounding
-    error = np.concatenate([own[:n], own[-k:]]) / scale
+    at, (which, scale) = branch.points[row], _compared(branch, row, equations)
+    moved, error = found.moved[which] / scale, (found.error + rounding)[which] / scale
     result = replace(
         begun,
         stored=0.0,
@@ -86,7 +95,7 @@ def _solution(
     return replace(result, verdict=AGREES)
 
 
-def _leading(begun: Finding, branch: Branch, row: int, there: Evaluation, found: Solution) -> Finding:
+def _leading(begun: Finding, branch: Branch, row: int, equations: Equations, found: Solution) -> Finding:
     """The leading eigenvalue; what the solution moved by, which is judged for itself, counts as an error."""
     at = branch.points[row]
     stored, spectrum = complex(at["spectrum"][0]), found.at.spectrum
@@ -94,15 +103,21 @@ def _leading(begun: Finding, branch: Branch, row: int, there: Evaluation, found:
     if not np.isfinite(stored) or not np.isfinite(at["spectrum_error"]):
         return replace(begun, reason="the row does not tell its leading eigenvalue")
     nearest = int(np.argmin(np.abs(spectrum - stored)))
-    shifted = float(np.abs(there.spectrum - spectrum[nearest]).min())
+    known = float(found.spread[nearest] + np.spacing(np.abs(spectrum).max()) * len(spectrum))
     result = replace(
         begun,
         stored=abs(stored),
         recomputed=float(abs(spectrum[nearest])),
         difference=float(abs(spectrum[nearest] - stored)),
         stored_error=float(at["spectrum_error"]),
-        own_error=shifted + float(found.spread[nearest] + np.spacing(np.abs(spectrum).max()) * len(spectrum)),
+        own_error=known,
     )
+    if result.difference > SLACK * (result.stored_error + known):
+        # The same orbit but for its start, which is where the row has it: it is followed no farther from it.
+        which, z = _compared(branch, row, equations)[0], found.at.z.copy()
+        z[which] = equations.z[which]
+        shifted = np.abs(equations.at(z, COARSER * TIGHT).spectrum - spectrum[nearest]).min()
+        result = replace(result, own_error=known + float(shifted))
     if result.difference > SLACK * (result.stored_error + result.own_error):
         return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")
     return replace(result, verdict=AGREES)

@@ -14,7 +14,7 @@ import numpy as np
 from contwalk.numerics.linear import SMALLEST
 from contwalk.verification.equations import Equations, Evaluation
 from contwalk.verification.finding import CannotTell
-from contwalk.verification.passage import COARSER, EPSILON, TIGHT
+from contwalk.verification.passage import COARSER, EPSILON, TIGHT, CannotIntegrate
 
 # A condition, of shape (), at a place; smooth near a solution.
 Condition = Callable[[Evaluation], float]
@@ -107,15 +107,15 @@ def solved(sheet: Sheet, conditions: list[Condition]) -> Solution:
         if np.max(np.abs(values)) > ROUGH:
             raise NotThere(np.full(len(equations.z), np.inf))
         raise CannotTell("What defines the point does not change along the branch there.")
-    steepness = slopes
+    gradients = slopes @ np.linalg.pinv(sheet.along)
     try:
-        coarse, first, slopes = _newton(sheet, conditions, sheet.begin, slopes, COARSER * TIGHT)
+        coarse, first, gradients = _newton(sheet, conditions, sheet.begin, gradients, COARSER * TIGHT)
         # Of equilibria only rounding differs: the second time they are solved from elsewhere.
         begin = coarse.z if equations.unit else coarse.z + (coarse.z - equations.z)
-        fine, _, _ = _newton(sheet, conditions, equations.at(begin, TIGHT), slopes, TIGHT)
+        fine, _, _ = _newton(sheet, conditions, equations.at(begin, TIGHT), gradients, TIGHT)
     except NotThere as failure:
         again = _values(conditions, equations.at(equations.z, TIGHT)) - values
-        failure.noise = np.abs(sheet.along @ np.linalg.lstsq(steepness, again, rcond=None)[0])
+        failure.noise = np.abs(sheet.along @ np.linalg.lstsq(slopes, again, rcond=None)[0])
         raise
     again = equations.at(fine.z, COARSER * TIGHT)  # what the tolerance makes of the conditions themselves
     away = sheet.along @ np.linalg.lstsq(slopes, _values(conditions, again), rcond=None)[0]
@@ -132,30 +132,39 @@ def solved(sheet: Sheet, conditions: list[Condition]) -> Solution:
 
 
 def _newton(
-    sheet: Sheet, conditions: list[Condition], at: Evaluation, slopes: np.ndarray, relative: float
+    sheet: Sheet, conditions: list[Condition], at: Evaluation, gradients: np.ndarray, relative: float
 ) -> tuple[Evaluation, np.ndarray, np.ndarray]:
-    """Newton's method onto the sheet, Broyden's on it: the solution, the first step, and the slopes."""
-    equations, inverse = sheet.equations, np.linalg.pinv(sheet.along)
+    """Newton's method onto the sheet, with Broyden's updates of the conditions' gradients, (c, N + k).
+
+    The solution, the first step, and the gradients. What is seen of them on a way onto the sheet is no slope
+    along it.
+    """
+    equations, sizes = sheet.equations, sheet.equations.sizes
     first, before, size, stalls = np.full(len(at.z), np.inf), None, np.inf, 0
     for _ in range(12):
         onto, values = sheet.towards(at), _values(conditions, at)
         if before is not None and size > ROUGH:  # shorter steps would teach rounding
             moved, gained = before
             square = max(float(moved @ moved), SMALLEST)
-            slopes = slopes + np.outer(values - gained - slopes @ moved, moved) / square
-        whole = onto - sheet.along @ np.linalg.lstsq(slopes, values, rcond=None)[0]
+            off = values - gained - gradients @ (moved * sizes)
+            gradients = gradients + np.outer(off, moved / sizes) / square
+        left = values + gradients @ onto
+        whole = onto - sheet.along @ np.linalg.lstsq(gradients @ sheet.along, left, rcond=None)[0]
         first = first if np.isfinite(first[0]) else whole
-        now = float(np.max(np.abs(whole / equations.sizes)))
+        now = float(np.max(np.abs(whole / sizes)))
         # A first step onto the sheet changes the conditions as well, so that one step gains nothing.
         stalls += now > 0.5 * size and size < ROUGH
         if now < 4.0 * EPSILON or stalls > (now > ROUGH * ROUGH**0.5):
-            return at, first, slopes
-        if not now < 1.0 / ROUGH:
+            return at, first, gradients
+        if not now < 1.0:  # as far as things are large
             break
-        size, before = now, (inverse @ whole, values)
-        at = equations.at(at.z + whole, relative)
+        size, before = now, (whole / sizes, values)
+        try:
+            at = equations.at(at.z + whole, relative)
+        except CannotIntegrate:
+            break
     if size < ROUGH:
-        return at, first, slopes
+        return at, first, gradients
     raise NotThere(first)
 
 

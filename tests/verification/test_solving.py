@@ -1,0 +1,37 @@
+"""Conditions beside equations that are not satisfied yet: both are, where Newton's method stops."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contwalk.verification.equations import Equations, Evaluation
+from contwalk.verification.passage import COARSER, TIGHT
+from contwalk.verification.solving import Sheet, solved
+
+
+class Parabola(Equations):
+    """y = x^2 and u = x + y, with x free: a curve, and a place some 1e-5 off it."""
+
+    unit = False
+
+    def __init__(self) -> None:
+        self.size, self.z, self.sizes = 2, np.array([0.09 + 3e-5, 0.39, 0.3]), np.ones(3)
+
+    def at(self, z: np.ndarray, relative: float) -> Evaluation:
+        y, u, x = z
+        jacobian = np.array([[1.0, 0.0, -2.0 * x], [-1.0, 1.0, -1.0]])
+        return Evaluation(z, np.array([y - x**2, u - x - y]), jacobian, np.zeros((0, 0)), relative)
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.05), (0.0, 1.0, -1.61), (5.0, -3.0, 0.2)])
+def test_a_condition_that_changes_on_the_way_onto_the_curve_is_solved_all_the_same(direction):
+    equations = Parabola()
+
+    def beside(at: Evaluation) -> float:
+        return float(np.array(direction) @ (at.z - equations.z))
+
+    found = solved(Sheet(equations, COARSER * TIGHT), [beside])
+    y, u, x = found.at.z
+    np.testing.assert_allclose([y, u], [x**2, x + x**2], rtol=1e-15)
+    assert abs(beside(found.at)) < 1e-15  # a rounding of terms of some tenths
