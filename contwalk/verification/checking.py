@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
@@ -13,6 +12,7 @@ from contwalk.errors import ContwalkError
 from contwalk.labels import END
 from contwalk.numerics.threads import one_thread
 from contwalk.system import System
+from contwalk.verification import budget
 from contwalk.verification.ends import Ranges, checked_end
 from contwalk.verification.finding import Finding
 from contwalk.verification.points import checked_point
@@ -66,17 +66,13 @@ def checked(
     progress : callable, optional
         Told each finding when it is there.
     """
-    begun, result = time.process_time(), list[Finding]()
-    for branch, record in records:
-        if time.process_time() - begun > seconds:
-            if isinstance(record, int):
-                break
-            found = [Finding(branch.name, record.name, reason="the budget of CPU is used up")]
-        else:
+    result = list[Finding]()
+    with budget.within(seconds):
+        for branch, record in records:
             found = _found(system, branch, record, ranges)
-        result += found
-        if progress is not None:
-            progress(found[0])
+            result += found
+            if progress is not None and found:
+                progress(found[0])
     return result
 
 
@@ -84,12 +80,15 @@ def _found(system: System, branch: Branch, record: SpecialPoint | int, ranges: R
     """The findings of one record; a computation that breaks down has found nothing."""
     name = str(record) if isinstance(record, int) else record.name
     try:
+        budget.ask()
         with np.errstate(all="ignore"):  # what is not finite shows in what comes out
             if isinstance(record, int):
                 return checked_row(system, branch, record)
             if record.label == END:
                 return [checked_end(system, branch, record, ranges)]
             return [checked_point(system, branch, record)]
+    except budget.UsedUp as why:  # rows are a sample, of any size
+        return [] if isinstance(record, int) else [Finding(branch.name, name, reason=why.sentence)]
     except (ArithmeticError, ValueError, ContwalkError) as error:
         reason = f"the second computation broke down: {error}"
         return [replace(Finding(branch.name, name), reason=reason)]

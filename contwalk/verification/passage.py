@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.numerics.linear import EPSILON
+from contwalk.verification import budget
 from contwalk.verification.finding import CannotTell
 from contwalk.verification.functions import Function, Functions
 
@@ -140,6 +141,7 @@ class _Motion:
 
         def right(t: float, y: np.ndarray) -> np.ndarray:
             functions.calls += 1
+            budget.ask()
             if functions.calls > MOST_CALLS:
                 raise CannotIntegrate("SciPy's DOP853 takes too many steps: the field is stiff there.")
             f, moved = field.linear(t, y[:n])
@@ -155,7 +157,8 @@ class _Motion:
             _crossing(functions.guard(soft), soft.direction, self.p, n) for soft in _soft(functions, mode)
         ]
         given = {"rtol": self.relative, "atol": self.relative * self.sizes, "events": softs or None}
-        found = solve_ivp(right, (t, end), y, method="DOP853", **given)
+        with np.errstate(all="ignore"):  # what is not finite shows in what comes out
+            found = solve_ivp(right, (t, end), y, method="DOP853", **given)
         functions.calls += 1  # a motion that only changes its mode comes to an end as well
         if found.status < 0 or not np.isfinite(found.y[:, -1]).all():
             raise CannotIntegrate(f"SciPy's DOP853 does not follow the motion: {found.message}")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
 
 from contwalk.storage.hdf5 import Hdf5Database
-from contwalk.verification import checking
+from contwalk.verification import budget, checking
 
 CYCLES = """\
 from contwalk.system import Mode, Parameter, Start, State, System
@@ -137,6 +138,12 @@ def test_a_budget_leaves_out_what_does_not_fit(contwalk, cycles):
     assert done.code == 0
     assert "the budget of CPU is used up" in done.out
     assert "did not fit into --budget." in done.out
+
+
+def test_a_budget_ends_within_a_record(contwalk, cycles, monkeypatch):
+    monkeypatch.setattr(budget.time, "process_time", count(0.0, 0.01).__next__)  # each look at the clock
+    done = contwalk("verify", "--trust", cycles, "b2/UZ1", "--budget", "0.5")
+    assert "b2/UZ1: the budget of CPU is used up" in done.out
 
 
 @pytest.mark.parametrize(
