@@ -21,14 +21,12 @@ from pathlib import Path
 from typing import Any
 
 MOST_BYTES = 256 * 1024 * 1024
-# A folder of many files takes long to list. It is listed before more than this part of `MOST_BYTES` has been
-# written since, and where room is made, this part is left free.
+# A folder of many files takes long to list. It is listed where more than this part of `MOST_BYTES` has been
+# written since, by whatever processes, and where room is made, this part is left free.
 SPARE = 1.0 / 16.0
 # Seconds after which a file that is loaded is dated anew: rarely, since each dating is a write.
 REDATED_AFTER = 600.0
 _DIGEST = hashlib.sha256().digest_size
-# How many bytes this process may write into a folder before it lists it again.
-_room: dict[Path, float] = {}
 # Why a directory is not used, a sentence for whoever prints; empty where none was refused.
 refusal = ""
 _are_own: dict[Path, bool] = {}
@@ -88,9 +86,7 @@ def store(name: str, content: bytes) -> None:
         except OSError:
             os.unlink(temporary)
             raise
-        _room[target.parent] = _room.get(target.parent, 0.0) - _DIGEST - len(content)
-        if _room[target.parent] < 0.0:
-            _room[target.parent] = _made_room(target.parent, MOST_BYTES)
+        _count(target.parent, _DIGEST + len(content))
 
 
 def load_values(name: str) -> list[Any] | None:
@@ -145,6 +141,24 @@ def _remember_use(file: Path) -> None:
 
 def _file(name: str) -> Path:
     return directory() / "objects" / f"{name}.o"
+
+
+def _count(folder: Path, written: int) -> None:
+    """Count what is written into a folder, by the length of a file beside it, and make room where it is time.
+
+    What several processes append at once is counted whole. A byte stands for as many as a digest has.
+    """
+    counter = folder.with_name(f"{folder.name}.written")
+    known = counter.exists()
+    handle = os.open(counter, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
+    try:
+        os.write(handle, bytes(-(-written // _DIGEST)))
+        if not known or os.fstat(handle).st_size * _DIGEST > SPARE * MOST_BYTES:
+            room = _made_room(folder, MOST_BYTES)
+            os.ftruncate(handle, 0)
+            os.write(handle, bytes(int((SPARE * MOST_BYTES - room) / _DIGEST)))
+    finally:
+        os.close(handle)
 
 
 def _made_room(folder: Path, limit: int) -> float:

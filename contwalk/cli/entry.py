@@ -15,6 +15,7 @@ import click
 from contwalk.cli.collector import hold_collector
 from contwalk.cli.lazy_group import LazyGroup
 from contwalk.errors import ContwalkError
+from contwalk.plotting import manuals
 from contwalk.printable import printable
 from contwalk.workflow.process_end import refuse_exit
 from contwalk.workflow.watching import watching
@@ -67,6 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     hold_collector()
     refuse_exit()
+    manuals.read = False
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     sys.exit(run(arguments))

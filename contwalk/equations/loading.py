@@ -7,10 +7,11 @@ import hashlib
 import types
 from dataclasses import replace
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
-from contwalk.equations.model import Model
-from contwalk.equations.plugin import Plugin, plugin_of
-from contwalk.equations.text import model_of_text
+if TYPE_CHECKING:
+    from contwalk.equations.model import Model
+    from contwalk.equations.plugin import Plugin
 
 # A reference to a system that is its equations: these words, then the text.
 PREFIX = "equations:"
@@ -41,6 +42,9 @@ def module_of(reference: str) -> types.ModuleType:
     ModelError
         With the line of the text.
     """
+    from contwalk.equations.plugin import plugin_of  # the grammar: most systems are files
+    from contwalk.equations.text import model_of_text
+
     text = reference.removeprefix(PREFIX)
     model = model_of_text(text, SOURCE)
     return executed(model, plugin_of(replace(model, reference=named(SOURCE, text)), "equations"))

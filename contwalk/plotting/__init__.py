@@ -18,6 +18,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from contwalk.plotting import manuals
+
 if TYPE_CHECKING:
     from contwalk.plotting.animation import save_animation
     from contwalk.plotting.basin import plot_basin
@@ -100,6 +102,7 @@ _MODULES = {
 def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    manuals.left_out()
     return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
 
 

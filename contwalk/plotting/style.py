@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
+from zlib import Z_RLE
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -16,6 +17,7 @@ from matplotlib.figure import Figure
 from contwalk.errors import ContwalkError
 from contwalk.figure_formats import allowed_formats, unknown_format
 from contwalk.files.drafts import written
+from contwalk.plotting.manuals import in_space
 from contwalk.system.declarations import nearest
 
 # Okabe and Ito's colour-blind-safe palette, without its yellow, which is too faint for a line on white.
@@ -70,7 +72,7 @@ def new_axes(kind: str, projection: str | None = None) -> Axes:
     ContwalkError
         For any other kind.
     """
-    return _new_figure(kind, 1).add_subplot(projection=projection)
+    return _new_figure(kind, 1, projection).add_subplot(projection=projection)
 
 
 def new_panels(kind: str, number: int) -> list[Axes]:
@@ -90,7 +92,7 @@ def new_grid(
     `heights` are those of the rows, in parts of each other; all are the same by default.
     """
     rows = -(-number // columns)
-    figure = _new_figure(kind, 1)
+    figure = _new_figure(kind, 1, projection)
     width, height = PROPORTIONS[kind]
     figure.set_size_inches(width * columns, height * rows)
     grid = figure.subplots(
@@ -102,7 +104,9 @@ def new_grid(
     return axes[:number]
 
 
-def _new_figure(kind: str, panels: int) -> Figure:
+def _new_figure(kind: str, panels: int, projection: str | None = None) -> Figure:
+    if projection == "3d":
+        in_space()
     if kind not in PROPORTIONS:
         raise ContwalkError(
             f"There is no figure named '{kind}'.",
@@ -205,7 +209,11 @@ def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:
         whole.set_layout_engine("constrained")
     try:
         with matplotlib.rc_context(_WRITING), written(target) as stream:
-            whole.savefig(stream, format=suffix[1:], dpi=DPI, metadata=_UNDATED[suffix])
+            if type(whole.canvas) is FigureCanvasAgg and (suffix, whole.dpi) == (".png", DPI):
+                # as it stands; `savefig` would draw it once more before, for formats of other canvases
+                whole.canvas.print_png(stream, metadata={}, pil_kwargs={"compress_type": Z_RLE})
+            else:
+                whole.savefig(stream, format=suffix[1:], dpi=DPI, metadata=_UNDATED[suffix])
     except OSError as error:
         raise ContwalkError(
             f"The figure cannot be written to {target}: {error.strerror or error}.",

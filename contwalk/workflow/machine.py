@@ -11,7 +11,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from contwalk.version import __version__
+from contwalk.version import __version__, version_of
 
 
 def name_of_machine() -> str:
@@ -37,8 +37,6 @@ def kind_of_processor() -> dict[str, str]:
 
     LLVM compiles for the processor that it finds, and NumPy takes other loops by what a processor can do.
     """
-    from importlib.metadata import version
-
     import llvmlite
     import numpy as np
     from llvmlite import binding
@@ -49,7 +47,7 @@ def kind_of_processor() -> dict[str, str]:
     loops = sorted(name for name, has in _cpu_features().items() if has)
     return {
         "numpy": np.__version__,
-        "numba": version("numba"),  # to import it takes a tenth of a short study
+        "numba": version_of("numba"),  # to import it takes a tenth of a short study
         "llvmlite": llvmlite.__version__,
         "processor": binding.get_host_cpu_name(),
         "features": hashlib.sha256(f"{features} {loops}".encode()).hexdigest()[:16],

@@ -163,6 +163,14 @@ def test_the_folder_is_not_listed_at_each_write(folder, monkeypatch):
         object_cache.store(f"object{i}", bytes(1000))
     assert len(listed) <= 1
     assert len(list(folder.iterdir())) == 50
+    listed.clear()
+    again = "object_cache._made_room = None; object_cache.store('other', bytes(9))"
+    subprocess.run([sys.executable, "-c", f"from contwalk import object_cache; {again}"], check=True)
+    assert len(list(folder.iterdir())) == 51, "another process counts on"
+    monkeypatch.setattr(object_cache, "MOST_BYTES", 50_000)
+    object_cache.store("last", bytes(1000))
+    assert len(listed) == 1
+    assert len(list(folder.iterdir())) < 50
 
 
 def test_where_it_is(monkeypatch):

@@ -8,6 +8,7 @@ import sys
 import matplotlib
 import pytest
 from matplotlib.figure import Figure
+from PIL import Image
 from synthetic_branches import fold, pitchfork
 
 import contwalk.plotting
@@ -74,3 +75,36 @@ def test_importing_plotting_imports_no_matplotlib_and_figures_no_pyplot():
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
+
+
+def test_a_command_has_no_manuals_and_the_same_pictures(tmp_path):
+    """What matplotlib writes for readers and what draws in space is left out, until it is asked for."""
+    drawn = (
+        "import sys\n"
+        "from contwalk import plotting\n"
+        "plotting.manuals.read = {read}\n"
+        "ax = plotting.new_axes('eigenvalues')\n"
+        "ax.plot([0, 1], [2, 3], label='a')\n"
+        "ax.legend()\n"
+        "plotting.save(ax, {path!r})\n"
+        "print('%(Line2D' not in ax.plot.__doc__, 'mpl_toolkits.mplot3d' in sys.modules)\n"
+        "print(plotting.new_axes('phase_portrait', projection='3d').name)\n"
+    )
+    told = []
+    for read in (True, False):
+        code = drawn.format(read=read, path=str(tmp_path / f"{read}.png"))
+        told.append(
+            subprocess.run(
+                [sys.executable, "-W", "error", "-c", code], check=True, capture_output=True, text=True
+            ).stdout.split()
+        )
+    assert told == [["True", "True", "3d"], ["False", "False", "3d"]]
+    assert (tmp_path / "True.png").read_bytes() == (tmp_path / "False.png").read_bytes()
+
+
+def test_a_picture_of_a_canvas_of_its_own_is_saved_in_our_resolution(tmp_path):
+    figure = Figure(figsize=(2, 1), dpi=40)
+    figure.add_subplot().plot([0, 1])
+    save(figure, tmp_path / "own.png")
+    with Image.open(tmp_path / "own.png") as image:
+        assert image.size == (300, 150)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import ctypes
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module, metadata
+from importlib import import_module
 from threading import RLock
 from typing import Any
 
 from contwalk.fields.llvm import Code, cached_code
 from contwalk.module_texts import text_behind
+from contwalk.version import version_of
 
 _CTYPES = {"d": ctypes.c_double, "q": ctypes.c_int64}
 _LOCK = RLock()
@@ -39,7 +40,7 @@ class Entry:
     def code(self) -> Code:
         """The function in memory; compiled if no earlier process has kept it."""
         texts = text_behind(self.module)
-        made_from = (self.name, self.result, self.arguments, *texts, metadata.version("numba"))
+        made_from = (self.name, self.result, self.arguments, *texts, version_of("numba"))
         with _LOCK:
             return cached_code(made_from, (self.name,), self._compiled)
 
