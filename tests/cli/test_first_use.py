@@ -56,6 +56,26 @@ SYSTEM = System(
 OF_CYCLE = "{system: ./cycle.py, start: {state: {x: 0, y: 0}}, continue: {parameter: a, range: [-1, 1]}"
 
 
+SMALL = """
+from contwalk.system import Mode, Parameter, State, System
+
+UNIT = 1e-9
+
+def field(t, x, p, dx):
+    r = (x[0] ** 2 + x[1] ** 2) / UNIT ** 2
+    dx[0] = p.a * x[0] - x[1] - r * x[0]
+    dx[1] = x[0] + p.a * x[1] - r * x[1]
+    dx[2] = UNIT * (p.a + 0.25) - (x[2] - UNIT) ** 2 / UNIT
+
+SYSTEM = System(
+    "small",
+    states=(State("x"), State("y"), State("z")),
+    parameters=(Parameter("a", 0.75),),
+    modes=(Mode("only", field),),
+)
+"""
+
+
 @pytest.fixture
 def of_cycle(folder):
     """Run files of a cycle that is born, with more keys."""
@@ -147,3 +167,16 @@ def test_a_flat_fold_is_a_fold(contwalk, folder, power, scale):
     assert points in ([("EP", 1, 1), ("LP", 1, 0), ("EP", 0, 0)], [("EP", 0, 0), ("LP", 0, 1), ("EP", 1, 1)])
     assert branch.special_points[1].parameters["a"] == pytest.approx(0.0, abs=1e-12)
     assert np.ptp(np.sign(branch["x"])) == 2.0
+
+
+def test_states_of_a_size_that_nobody_has_told(contwalk, folder):
+    """In units of 1e-9 of what is declared: a Hopf point at 0 on both sides of a fold at -1/4."""
+    (folder / "small.py").write_text(SMALL, encoding="utf-8")
+    run = "{system: ./small.py, start: {state: {x: 0, y: 0, z: 2.0e-9}}, diagram: none, "
+    run += "continue: {parameter: a, range: [-1, 1]}}"
+    (folder / "run.yaml").write_text(run, encoding="utf-8")
+    assert contwalk("continue", "run.yaml", "--output", "small.h5").code == 0
+    (branch,) = cw.open_database(folder / "small.h5")
+    found = [(point.label, point.parameters["a"]) for point in branch.special_points if point.label != "EP"]
+    assert [label for label, _ in found] == ["HB", "LP", "HB"]
+    np.testing.assert_allclose([a for _, a in found], [0.0, -0.25, 0.0], atol=1e-12)

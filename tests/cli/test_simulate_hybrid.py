@@ -72,6 +72,32 @@ SYSTEM = System(
 )
 """
 
+RELAY = """\
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def on(t, x, p, dx):
+    dx[0] = -1.0
+    dx[1] = x[0]
+
+def off(t, x, p, dx):
+    dx[0] = p.f
+    dx[1] = x[0]
+
+def surface(t, x, p):
+    return x[0]
+
+SYSTEM = System(
+    "relay",
+    states=(State("x"), State("y")),
+    parameters=(Parameter("f", 0.5),),
+    modes=(Mode("on", on), Mode("off", off)),
+    transitions=(
+        Transition("drops", "on", "off", surface, direction="falling", level=True),
+        Transition("rises", "off", "on", surface, direction="rising", level=True),
+    ),
+)
+"""
+
 RUN = """\
 system: ./ball.py
 start: {state: {y: 1.0, v: 0.0}}
@@ -193,6 +219,16 @@ def test_sticking_is_told(contwalk, ball):
     assert done.code == 1
     assert "does not leave its guard behind" in " ".join(done.err.split())
     assert read_trajectory(ball / "b_trajectory.h5").status == "sticking"
+
+
+def test_sliding_is_told_with_what_derives_its_mode(contwalk, folder):
+    """Both sides lead to the surface: the next of the events has no time between it and the last."""
+    (folder / "relay.py").write_text(RELAY, encoding="utf-8")
+    run = "{system: ./relay.py, start: {state: {x: 1, y: 0}, mode: 'on'}, simulate: {until: 5}}"
+    (folder / "relay.yaml").write_text(run, encoding="utf-8")
+    done = contwalk("simulate", "relay.yaml", "--no-figures")
+    assert done.code == 1
+    assert "slides along the guard is derived by contwalk systems slide" in " ".join(done.err.split())
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import subprocess
 import sys
 import time
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from contwalk.cli import entry
 from contwalk.workflow.watching import watching
 
 LOOP = """
@@ -72,6 +74,20 @@ def test_contwalk_itself_is_no_plugin():
     with watching(said.append, after=0.05, every=0.01):
         time.sleep(0.2)
     assert said == [] or "test_watching.py" in said[0]
+
+
+@pytest.mark.parametrize("command", ["continue", "simulate", "sample", "margins", "plot"])
+def test_every_command_is_watched(contwalk, folder, monkeypatch, command):
+    """The plugin takes its time once, where it is loaded: no function of it is called before."""
+    monkeypatch.setattr(entry, "watching", functools.partial(watching, after=0.2, every=0.02))
+    text = "import time\ntime.sleep(0.6)\n" + (folder / "fork.py").read_text(encoding="utf-8")
+    if command == "plot":
+        assert contwalk("continue", "run.yaml", "--quiet", "--no-figures").code == 0
+    (folder / "fork.py").write_text(text, encoding="utf-8")
+    drawn = ("fork.h5", "--kind", "machine", "-o", "fork.svg", "--trust")
+    done = contwalk(command, *(drawn if command == "plot" else ("run.yaml", "--no-figures")))
+    assert "has not come back for 0.2 s; it is at" in done.err
+    assert "fork.py, line 2." in done.err
 
 
 @pytest.mark.slow

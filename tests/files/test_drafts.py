@@ -79,6 +79,38 @@ def test_nothing_is_left_beside_a_file(writer):
     assert os.listdir(path.parent) == [path.name]
 
 
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="descriptors have no names")
+def test_a_file_is_on_the_disk_before_its_name_and_the_name_after_it(writer, monkeypatch):
+    path, write = writer
+    synchronise, replace, link, happened = os.fsync, Path.replace, os.link, []
+
+    def synchronised(descriptor: int) -> None:
+        synchronise(descriptor)
+        name, status = os.readlink(f"/proc/self/fd/{descriptor}"), os.fstat(descriptor)
+        happened.append(("on disk", name, status.st_ino, status.st_size))
+
+    def replaced(draft: Path, target: Path) -> Path:
+        happened.append(("named", str(target), draft.stat().st_ino, draft.stat().st_size))
+        return replace(draft, target)
+
+    def linked(draft: Path, target: Path) -> None:
+        happened.append(("named", str(target), draft.stat().st_ino, draft.stat().st_size))
+        link(draft, target)
+
+    monkeypatch.setattr(os, "link", linked)
+    monkeypatch.setattr(os, "fsync", synchronised)
+    monkeypatch.setattr(Path, "replace", replaced)
+    write(path)
+    whole = path.stat()
+    named = [k for k, (what, name, *_) in enumerate(happened) if (what, name) == ("named", str(path))]
+    assert named
+    before, after = happened[: named[-1]], happened[named[-1] + 1 :]
+    assert ("on disk", whole.st_ino) in [(what, inode) for what, _, inode, _ in before]
+    assert ("on disk", str(path.parent)) in [(what, name) for what, name, *_ in after]
+    last = [size for what, _, inode, size in happened if (what, inode) == ("on disk", whole.st_ino)][-1]
+    assert last == whole.st_size, "what was written last is on the disk as well, as a seal"
+
+
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o664])
 def test_who_may_read_a_file_stays_as_it_is(writer, mode):
     path, write = writer
