@@ -106,7 +106,7 @@ def _animate(
 
 
 def _described(done: Animated, periods: int, time: str) -> str:
-    from contwalk.cli.words import plural
+    from contwalk.number_words import plural
     from contwalk.system.units import lasting
 
     shown = f"{plural(periods, 'period')} of {lasting(done.motion / periods, time, '.4g')}"

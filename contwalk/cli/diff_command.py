@@ -43,7 +43,7 @@ def _print_json(found: Comparison) -> None:
 
 def _print(found: Comparison) -> None:
     from contwalk.cli.terminal import console, line, table
-    from contwalk.cli.words import plural
+    from contwalk.number_words import plural
 
     out = console()
     line(out, f"A: {found.a}")
@@ -59,7 +59,7 @@ def _print(found: Comparison) -> None:
 
 
 def _row(compared: Compared) -> list[str]:
-    from contwalk.cli.words import plural
+    from contwalk.number_words import plural
 
     numbers = [*map(str, compared.points), *map(str, compared.rhs), *(f"{s:.2f}" for s in compared.seconds)]
     said = plural(len(compared.differences), "difference") if compared.differences else "the same"

@@ -175,8 +175,8 @@ def _swept(branches: list[Branch]) -> str:
 def _draw_machine(system: System, branch: Branch, point: str, output: str) -> None:
     from contwalk import plotting
     from contwalk.cli.point_page import row_of, special_of
-    from contwalk.cli.summary import free_value
-    from contwalk.cli.words import with_unit
+    from contwalk.number_words import with_unit
+    from contwalk.workflow.stored.point_words import free_value
 
     name = point.partition("/")[2]
     row = row_of(branch, name)

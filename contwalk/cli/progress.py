@@ -11,7 +11,7 @@ from typing import Any
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.cli.terminal import console
-from contwalk.cli.words import plural
+from contwalk.number_words import plural
 from contwalk.workflow.runner import Reporter
 
 

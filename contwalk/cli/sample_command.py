@@ -40,7 +40,7 @@ def command(call: StudyCall, *, threads: int | None) -> int:
         call = replace(call, jobs=threads)
     from contwalk.cli.entry import say
     from contwalk.cli.terminal import console
-    from contwalk.cli.words import plural
+    from contwalk.number_words import plural
     from contwalk.workflow.cluster import executor_at
     from contwalk.workflow.run_file.sample import read_sampling
     from contwalk.workflow.sampling import sample
@@ -63,7 +63,7 @@ def command(call: StudyCall, *, threads: int | None) -> int:
 
 def _print(out: Console, run: SampleFile, result: SampleResult) -> None:
     from contwalk.cli.terminal import line, table
-    from contwalk.cli.words import choices
+    from contwalk.number_words import choices
 
     chosen, wanted, summary = choices(run.system.model), run.sampling.measure, result.summary
     line(out, run.system.name + (f" ({chosen})" if chosen else ""), style="bold")

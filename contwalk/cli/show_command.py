@@ -88,18 +88,14 @@ def _print_text(database: FileDatabase, branch_name: str, point_name: str, point
 def _print_point(
     out: Console, database: FileDatabase, branch_name: str, point_name: str, trust: bool
 ) -> None:
-    from contwalk.cli.point_page import print_row, print_special, row_of, special_of
+    from contwalk.cli.point_page import print_point, stored_point
 
     branch = database.branch(branch_name)
-    row = row_of(branch, point_name)
-    special = special_of(branch, point_name) if row is None else None
+    point = stored_point(branch, f"{branch_name}/{point_name}")
     units = units_of_run(database, trust)
     hybrid = branch.info.problem_by_name == "hybrid_orbit"
     system = optional_system(database, trust, "segments and margins of the orbit") if hybrid else None
-    if special is not None:
-        print_special(out, branch, special, units, system)
-    elif row is not None:
-        print_row(out, branch, row, units, system)
+    print_point(out, branch, point, units, system)
 
 
 def _print_points(out: Console, branch: Branch) -> None:

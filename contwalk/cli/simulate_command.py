@@ -53,7 +53,7 @@ def command(
 
 def _print(out: Console, run: SimulationFile, result: SimulationResult) -> None:
     from contwalk.cli.terminal import line
-    from contwalk.cli.words import choices, exact, plural
+    from contwalk.number_words import choices, exact, plural
     from contwalk.system.falling import FALLEN
 
     system, motion = run.system, result.trajectory
@@ -86,7 +86,7 @@ def _print(out: Console, run: SimulationFile, result: SimulationResult) -> None:
 
 def _print_events(out: Console, motion: object) -> None:
     from contwalk.cli.terminal import line, table
-    from contwalk.cli.words import exact, plural
+    from contwalk.number_words import exact, plural
     from contwalk.storage.trajectory import Trajectory
 
     assert isinstance(motion, Trajectory)

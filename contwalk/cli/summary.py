@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.cli.terminal import line, table
-from contwalk.cli.words import choices, exact, plural, rough, with_unit
 from contwalk.labels import UNDECIDED
+from contwalk.number_words import choices, exact, plural, rough, with_unit
 from contwalk.signatures import folded, is_iterated, told_problem
 from contwalk.special_point import told_sides, told_what
 from contwalk.system.units import lasting
+from contwalk.workflow.stored.point_words import free_value
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from contwalk.branch import Branch, SpecialPoint
+    from contwalk.branch import Branch
 
 
 def print_branches(
@@ -169,14 +170,6 @@ def _print_special(out: Console, branch: Branch) -> None:
             line(out, f"{point.name}: {point.note}", indent=4)
         if not point.admissible:
             line(out, f"{point.name}: not admissible", indent=4)
-
-
-def free_value(branch: Branch, point: SpecialPoint) -> float:
-    """The free parameter at a special point; on a path it is known from the point's row."""
-    name = branch.info.free[0]
-    if name in point.parameters:
-        return float(point.parameters[name])
-    return float(branch[name][point.index])
 
 
 def _parent(parent: tuple[str, float], among: Sequence[Branch]) -> str:

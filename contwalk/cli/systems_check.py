@@ -23,7 +23,7 @@ def command(system: str) -> int:
     there is an error, 0 otherwise.
     """
     from contwalk.cli.terminal import console, line
-    from contwalk.cli.words import plural
+    from contwalk.number_words import plural
     from contwalk.plugin_check.system import findings_of
 
     out = console()

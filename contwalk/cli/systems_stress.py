@@ -54,7 +54,7 @@ def command(study: str, choices: Sequence[str], as_json: bool) -> int:
 def _print(out: Any, result: Result) -> None:
     """A line for each change, when it has been computed."""
     from contwalk.cli.terminal import line
-    from contwalk.cli.words import plural
+    from contwalk.number_words import plural
 
     numbers = f"{plural(result.points, 'point'):<10} {result.seconds:7.1f} s"
     said = result.sentences[0] if result.sentences else ""

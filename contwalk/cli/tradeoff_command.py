@@ -196,7 +196,7 @@ def _print(found: Tradeoff, files: list[str]) -> None:
 
 
 def _row(found: Tradeoff, t: Trial) -> list[str]:
-    from contwalk.cli.words import rough
+    from contwalk.number_words import rough
     from contwalk.workflow.tradeoff.trials import MODELS
 
     setting = t.setting

@@ -99,7 +99,7 @@ def _checked(
 
 def _print(found: Sequence[Finding], asked: int) -> None:
     from contwalk.cli.terminal import console, line, table
-    from contwalk.cli.words import exact, plural, rough
+    from contwalk.number_words import exact, plural, rough
     from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES
 
     out = console()
@@ -139,7 +139,7 @@ def _print(found: Sequence[Finding], asked: int) -> None:
 
 def _of_rows(name: str, rows: Sequence[Finding]) -> str:
     """How many rows of a branch were recomputed, and what came out."""
-    from contwalk.cli.words import plural
+    from contwalk.number_words import plural
     from contwalk.verification.finding import AGREES
 
     if not rows:

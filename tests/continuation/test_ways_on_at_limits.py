@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from contwalk.branch import SpecialPoint
-from contwalk.cli.hybrid_page import _meaning
 from contwalk.continuation.outcomes import limit
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES
 from contwalk.problems.problem import LimitType
+from contwalk.workflow.stored.hybrid_words import _meaning
 
 WORDS = "'impact' is touched."
 

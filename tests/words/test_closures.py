@@ -11,9 +11,9 @@ from small_systems import small_system
 
 import contwalk as cw
 from contwalk.branch import Branch
-from contwalk.cli.point_page import _of_orbit
 from contwalk.cli.summary import _orbits
 from contwalk.system import Symmetry
+from contwalk.workflow.stored.point_words import _of_orbit
 
 
 def driven(t, x, p, dx):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -65,8 +66,10 @@ class HybridFacts:
         return min(own, key=lambda margin: abs(margin.share), default=None)
 
 
-def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> HybridFacts:
-    """What is known of the orbit of a stored point.
+def facts_of(
+    system: System, branch: Branch, point: SpecialPoint | int, solved: tuple[Any, Any] | None = None
+) -> HybridFacts:
+    """What is known of the orbit of a stored point; `solved` is what `reopened` gives of it, where known.
 
     Raises
     ------
@@ -77,19 +80,20 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
     from contwalk.problems.hybrid.margins import DERIVED
     from contwalk.workflow.stored.orbits import PICTURE
 
-    problem, sample = reopened(system, branch, point, PICTURE)
+    problem: Any
+    problem, sample = solved or reopened(system, branch, point, PICTURE)
     z = sample.z
     segments = tuple(
         SegmentFact(mode, float(duration), event)
         for (mode, event, *_), duration in zip(
             branch.info.settings["legs"],
-            np.diff(problem.starting_times(z)),  # type: ignore[attr-defined]
+            np.diff(problem.starting_times(z)),
             strict=True,
         )
     )
     stored = dict(point.margin) if isinstance(point, SpecialPoint) else {}
     found: dict[str, MarginFact] = {}
-    margins = problem.margins(z)  # type: ignore[attr-defined]
+    margins = problem.margins(z)
     for limit, value, scale in zip(margins.limits, margins.values, margins.scales, strict=True):
         if not np.isfinite(value):
             continue

@@ -160,8 +160,10 @@ def _typical(branch: Branch) -> list[int]:
     return [int(found[len(found) // 2])] if len(found) else []
 
 
-def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit:
-    """The orbit of one stored point.
+def orbit_at(
+    system: System, branch: Branch, point: SpecialPoint | int, solved: tuple[Any, Any] | None = None
+) -> Orbit:
+    """The orbit of one stored point; `solved` is what `reopened` gives of it, if that is known.
 
     Raises
     ------
@@ -183,7 +185,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
     hybrid = branch.info.problem == "hybrid_orbit"
     try:
         with np.errstate(all="ignore"):  # what is not finite is told in a sentence
-            given, sample = reopened(system, branch, point, PICTURE)
+            given, sample = solved or reopened(system, branch, point, PICTURE)
             problem: Any = given
             if hybrid:
                 times, states, breaks, there = _segments(problem, sample.z)

@@ -1,34 +1,35 @@
-"""What is told of an orbit with events beside what is told of any other."""
+"""What is told of an orbit with events beside what is told of any other, and what words of a point are."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from contwalk.cli.terminal import table
-from contwalk.cli.words import exact
-from contwalk.errors import ContwalkError
+from contwalk.number_words import exact
 from contwalk.signatures import folded, is_iterated
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from contwalk.branch import Branch, SpecialPoint
     from contwalk.system import System
     from contwalk.workflow.stored.hybrid_facts import HybridFacts, MarginFact
 
 
-def facts_at(system: System | None, branch: Branch, point: SpecialPoint | int) -> HybridFacts | None:
-    """Segments and margins; None of other orbits, and where they cannot be had: why is said on stderr."""
-    if system is None or branch.info.problem_by_name != "hybrid_orbit":
-        return None
-    from contwalk.cli.entry import say
-    from contwalk.workflow.stored.hybrid_facts import facts_of
+@dataclass(frozen=True)
+class TableOfWords:
+    """A header, which may be empty texts, rows of as many cells, and a sentence that stands below."""
 
-    try:
-        return facts_of(system, branch, point)
-    except ContwalkError as error:
-        say(f"Not shown: segments and margins of the orbit. {error}")
-        return None
+    header: list[str]
+    rows: list[list[str]]
+    remark: str = ""
+
+
+@dataclass(frozen=True)
+class PointWords:
+    """A title, facts in a line each, and tables."""
+
+    title: str
+    facts: list[str]
+    tables: list[TableOfWords]
 
 
 def admissible_line(admissible: bool, branch: Branch, facts: HybridFacts | None) -> list[str]:
@@ -88,30 +89,28 @@ def _about(system: System | None, name: str) -> str:
     return f" ({about})" if about else ""
 
 
-def print_segments(out: Console, facts: HybridFacts | None, time: str) -> None:
-    """The segments of the closure with their modes and durations."""
+def segment_tables(facts: HybridFacts | None, time: str) -> list[TableOfWords]:
+    """The segments of the closure with their modes and durations; none where they are not known."""
     if facts is None:
-        return
-    out.print()
+        return []
     rows = [
         [str(number), segment.mode, exact(segment.duration), time, segment.event or "the period ends"]
         for number, segment in enumerate(facts.segments, start=1)
     ]
-    table(out, ["segment", "mode", "duration", "unit" if time else "", "ended by"], rows, indent=4)
+    return [TableOfWords(["segment", "mode", "duration", "unit" if time else "", "ended by"], rows)]
 
 
-def print_margins(out: Console, facts: HybridFacts) -> None:
+def margin_table(facts: HybridFacts) -> TableOfWords:
     """What must be positive, the least first."""
     from contwalk.workflow.stored.hybrid_facts import BELOW, ZERO
 
-    out.print()
     rows = []
     for margin in facts.margins:
         zero, below = abs(margin.share) < ZERO, margin.share < BELOW
         remark = ": zero here" if zero else ": BELOW ZERO" if below else ""
         share = "0 %" if zero else f"{100.0 * margin.share:.3g} %"
         rows.append([margin.name, exact(margin.value + 0.0), margin.unit, share, margin.what + remark])
-    table(out, ["margin, least first", "value", "unit", "of its largest", "of what"], rows, indent=4)
+    return TableOfWords(["margin, least first", "value", "unit", "of its largest", "of what"], rows)
 
 
 def signature_line(branch: Branch) -> list[str]:
