@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from contwalk.branch import SpecialPoint as SpecialPoint
     from contwalk.comparing.databases import diff as diff
     from contwalk.errors import ContwalkError as ContwalkError
+    from contwalk.explorer.exploring import explore as explore
     from contwalk.plotting import plot_bifurcation_diagram as plot_bifurcation_diagram
     from contwalk.plotting import plot_eigenvalues as plot_eigenvalues
     from contwalk.plotting import plot_stability_map as plot_stability_map
@@ -51,6 +52,7 @@ _HOMES = {
     "continue_locus": "contwalk.studies.loci",
     "diagram": "contwalk.shortcuts.diagrams",
     "diff": "contwalk.comparing.databases",
+    "explore": "contwalk.explorer.exploring",
     "load_system": "contwalk.plugin_check.at_load",
     "model": "contwalk.shortcuts.models",
     "open_database": "contwalk.storage",

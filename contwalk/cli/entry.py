@@ -34,6 +34,7 @@ _COMMANDS = {
     "show": ("contwalk.cli.show_command", "Show what a database holds, as text or as JSON."),
     "diff": ("contwalk.cli.diff_command", "Compare two databases, within the errors that they claim."),
     "plot": ("contwalk.cli.plot_command", "Draw a figure of a database."),
+    "explore": ("contwalk.cli.explore_command", "Write a database as a page to look at and to mail."),
     "animate": ("contwalk.cli.animate_command", "Play an orbit of a database as GIF, MP4 or HTML."),
     "verify": ("contwalk.cli.verify_command", "Recompute the special points of a database, and compare."),
     "tradeoff": ("contwalk.cli.tradeoff_command", "Measure what accuracy costs in a study."),
