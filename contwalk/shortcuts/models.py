@@ -7,7 +7,7 @@ import hashlib
 import inspect
 import types
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -22,6 +22,28 @@ TIME = "t"
 _ARGUMENTS = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
 
 
+@overload
+def model(
+    function: Callable[..., Any],
+    /,
+    *,
+    start: Mapping[str, float] | None = None,
+    period: float | Callable[..., float] | None = None,
+    about: str | Mapping[str, str] | None = None,
+    map: bool = False,
+    **parameters: float,
+) -> System: ...
+@overload
+def model(
+    function: None = None,
+    /,
+    *,
+    start: Mapping[str, float] | None = None,
+    period: float | Callable[..., float] | None = None,
+    about: str | Mapping[str, str] | None = None,
+    map: bool = False,
+    **parameters: float,
+) -> Callable[[Callable[..., Any]], System]: ...
 def model(
     function: Callable[..., Any] | None = None,
     /,
