@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,8 @@ from contwalk.system.declarations import ParameterValues
 
 _UNIT_AT = {"State": 1, "Parameter": 2, "Observable": 2}  # position of `unit` among the arguments
 _KINDS = {"State": "state", "Parameter": "parameter", "Observable": "observable"}
+_NO_UNIT = 'No unit is given. Write unit="m", or unit="1" if it has none.'
+_NO_MEANING = 'No meaning is given. Write about="one line".'
 # Closed forms are good to 1e-12 or so; a printed constant in one may have six digits.
 ZERO = 1e-6
 INSTANTS = (1, 5)
@@ -65,14 +67,17 @@ class Written:
 def check_words(report: Report, system: System, written: Written) -> None:
     """Units and meanings of states and parameters."""
     before = len(report.findings)
+    lacking: dict[str, list[tuple[str, str]]] = {_NO_UNIT: [], _NO_MEANING: []}
     for kind, entries in (("state", system.states), ("parameter", system.parameters)):
         for entry in entries:
-            what, place = f"{kind} '{entry.name}'", written.place(kind, entry.name)
             unstated = any(entry.name == name and kind == other for other, name, _ in written.without_unit)
             if unstated or not isinstance(entry.unit, str) or not entry.unit.strip():
-                report.warning(what, 'No unit is given. Write unit="m", or unit="1" if it has none.', place)
+                lacking[_NO_UNIT].append((kind, entry.name))
             if not entry.about.strip():
-                report.warning(what, 'Its meaning is missing. Write about="one line".', place)
+                lacking[_NO_MEANING].append((kind, entry.name))
+    for sentence, those in lacking.items():
+        if those:
+            report.warning(_named(those), sentence, written.place(*those[0]))
     for kind, name, place in written.without_unit:
         if not name:
             report.warning(f"a {kind}", 'No unit is given. Write unit="1" if it has none.', place)
@@ -83,6 +88,15 @@ def check_words(report: Report, system: System, written: Written) -> None:
         )
     if len(report.findings) == before:
         report.ok("units and meanings", "are given for all states and parameters.")
+
+
+def _named(those: Sequence[tuple[str, str]]) -> str:
+    """Kinds and names in words: one line for all that lack the same."""
+    if len(those) == 1:
+        return "{} '{}'".format(*those[0])
+    kinds = dict.fromkeys(kind for kind, _ in those)
+    parts = [(kind, [name for other, name in those if other == kind]) for kind in kinds]
+    return " and ".join(f"{kind}{'s' * (len(names) > 1)} {', '.join(names)}" for kind, names in parts)
 
 
 def check_presets(report: Report, system: System) -> None:

@@ -98,6 +98,17 @@ def test_check_warnings_are_no_failure(contwalk, folder):
     assert any(line.startswith("warning  fork.py:15: parameter 'a'") for line in done.out.splitlines())
 
 
+def test_check_names_all_that_lack_the_same_in_one_line(contwalk, folder):
+    """A plugin that was made of a text of equations has neither units nor meanings."""
+    (folder / "eaten.txt").write_text("x' = a*x - x*y\ny' = x*y - y\na = 1.2\n", encoding="utf-8")
+    assert contwalk("import", "eaten.txt", "-o", "eaten.py").code == 0
+    lines = [line for line in contwalk("systems", "check", "eaten.py").out.splitlines() if "warning " in line]
+    assert [line.partition(": ")[2] for line in lines] == [
+        'states x, y and parameter a: No unit is given. Write unit="m", or unit="1" if it has none.',
+        'states x, y and parameter a: No meaning is given. Write about="one line".',
+    ]
+
+
 def test_check_each_model(contwalk):
     done = contwalk("systems", "check", "autobalancer")
     assert done.code == 0

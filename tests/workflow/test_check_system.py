@@ -155,7 +155,7 @@ MISTAKES = {
     ),
     "no meaning": (
         PENDULUMS, ', about="gravity"', "", "warning",
-        "parameter 'g'", "Its meaning is missing", 'Parameter("g"',
+        "parameter 'g'", "No meaning is given", 'Parameter("g"',
     ),
     "no reference": (
         PENDULUMS, '    reference="any textbook",\n', "", "warning",

@@ -31,7 +31,7 @@ output: motion.h5
 RELAY_STATE = "{x: 0.7, y: 0.6}"
 
 # Units and meanings are not what is looked at here.
-WORDS = ("No unit is given", "Its meaning is missing", "It has no reference")
+WORDS = ("No unit is given", "No meaning is given", "It has no reference")
 
 
 @pytest.fixture
