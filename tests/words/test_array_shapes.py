@@ -35,9 +35,11 @@ SHAPES = re.compile(
 
 
 def public(tree: ast.Module | ast.ClassDef) -> Iterator[ast.FunctionDef | ast.ClassDef]:
-    """Definitions whose names have no underscore, methods of public classes included."""
+    """Definitions without an underscore, methods of public classes included; of several forms the last."""
     for node in tree.body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+            if any(ast.unparse(decorator) == "overload" for decorator in node.decorator_list):
+                continue
             yield node
             if isinstance(node, ast.ClassDef):
                 yield from public(node)
