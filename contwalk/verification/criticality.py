@@ -11,6 +11,7 @@ from contwalk.verification.degenerate import critical_angle
 from contwalk.verification.equations import Equations
 from contwalk.verification.equilibrium import EquilibriumEquations
 from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, SLACK, CannotTell
+from contwalk.verification.lengths import squared
 from contwalk.verification.normal_forms import Told
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import EPSILON, TIGHT
@@ -84,9 +85,20 @@ def _own(label: str, point: SpecialPoint, equations: Equations, found: Solution)
     if not isinstance(equations, OrbitEquations):
         raise CannotTell("Its equations have no return map.")
     round_ = Round(equations, at, TIGHT)
-    if label == "NS":
-        theta = critical_angle(at)
-        turn = complex(np.exp(1j * theta))
-        return normal_forms.told(round_, turn, lambda given: normal_forms.torus(given, theta)), False
-    form_of = {"PD": normal_forms.flip, "BP": normal_forms.pitchfork, "LP": normal_forms.fold}[label]
-    return normal_forms.told(round_, -1.0 if label == "PD" else 1.0, form_of), label == "LP"
+    theta = critical_angle(at) if label == "NS" else 0.0
+    value = complex(np.exp(1j * theta)) if label == "NS" else -1.0 if label == "PD" else 1.0
+    form_of = {
+        "PD": normal_forms.flip,
+        "BP": normal_forms.pitchfork,
+        "LP": normal_forms.fold,
+        "NS": lambda given: normal_forms.torus(given, theta),
+    }
+    found_ = normal_forms.told(round_, value, form_of[label])
+    if label == "LP":  # no length of q changes it
+        return found_, True
+    try:
+        square = squared(equations, at, round_.basis @ normal_forms.critical(round_.matrix, value)[0])
+    except CannotTell:
+        return found_, False
+    size = found_.value / square.value
+    return Told(size, found_.error / square.value + abs(size) * square.error / square.value), True

@@ -14,11 +14,12 @@ from contwalk.verification.branching import Unfolded
 from contwalk.verification.curves import of_curve, unfolds
 from contwalk.verification.equations import Equations, Evaluation
 from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, SLACK, CannotTell, Finding
+from contwalk.verification.limits import INSTANT
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import COARSER, EPSILON, TIGHT
 from contwalk.verification.records import equations_of, of_orbits
 from contwalk.verification.rows import along_curve
-from contwalk.verification.solving import ROUGH, Sheet, solved
+from contwalk.verification.solving import ROUGH, Held, Sheet, solved
 
 # Ends at a limit that is a special point of its own.
 LIMITS = {"grazing": "GR", "order_change": "OC", "inadmissible": "AZ", "boundary_equilibrium": "BE"}
@@ -47,6 +48,8 @@ def checked_end(system: System, branch: Branch, end: SpecialPoint, ranges: Range
             met = any(
                 point.label.startswith(LIMITS[word]) and point.s == end.s for point in branch.special_points
             )
+            if not met and INSTANT.search(end.note or ""):
+                raise CannotTell("the limit that it names is farther ahead than the branch goes")
             verdict, reason = _told(met, f"no {LIMITS[word]} is there")
         elif NOT_KEPT in (end.note or ""):
             verdict, reason = _comes_apart(system, branch, end)
@@ -111,13 +114,12 @@ def _closed(system: System, branch: Branch) -> tuple[str, str]:
         raise CannotTell("orbits at its two ends are not cut alike")
     if unfolds(branch):
         start, last = Unfolded(start), Unfolded(last)
-    curve, sheet = Sheet(start, COARSER * TIGHT), Sheet(last, COARSER * TIGHT)
+    curve, sheet = Sheet(start), Sheet(last)
     if branch.info.problem == LOCUS:
-        along, free = along_curve(branch, first, start), slice(start.size, None)
-        at_start = lambda at: float(along @ (at.z - start.z)[free])  # noqa: E731
+        along = along_curve(branch, first, start)
+        at_start = Held(start.z, np.append(np.zeros(start.size), along))
     else:
-        normal = np.linalg.pinv(curve.along)[0]
-        at_start = lambda at: float(normal @ (at.z - start.z))  # noqa: E731
+        at_start = Held(start.z, np.linalg.pinv(curve.along)[0])
     spectra = branch.points["spectrum"]
     begin = solved(curve, [*of_curve(branch, spectra[first], start, curve), at_start])
     found = solved(sheet, [*of_curve(branch, spectra[end], last, sheet), at_start])
@@ -132,7 +134,7 @@ def _comes_apart(system: System, branch: Branch, end: SpecialPoint) -> tuple[str
     """Beside the end of a curve of branch points the branches that cross no longer do."""
     row, inside = end.index, 1 if end.index == 0 else len(branch) - 2
     equations = Unfolded(equations_of(system, branch, row))
-    sheet, k = Sheet(equations, COARSER * TIGHT), len(branch.info.free)
+    sheet, k = Sheet(equations), len(branch.info.free)
     own = of_curve(branch, branch.points["spectrum"][row], equations, sheet)
     along = along_curve(branch, row, equations)
     step = float(along @ (branch["free"][row] - branch["free"][inside]))
@@ -189,7 +191,9 @@ def _homoclinic(system: System, branch: Branch, end: SpecialPoint) -> tuple[str,
     if rest is None or np.linalg.norm(rest[0] - slow) > NEARER * size:
         _comes_back(equations, at)
         return DISAGREES, "the orbit is beside no equilibrium"
-    return _told(float(speeds.min()) < NEARER * float(np.mean(speeds)), "the orbit does not slow down")
+    if not float(speeds.min()) < NEARER * float(np.mean(speeds)):
+        raise CannotTell("the orbit passes an equilibrium, beside which it is not slow yet")
+    return AGREES, ""
 
 
 def _shrunk(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str]:

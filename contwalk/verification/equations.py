@@ -93,6 +93,26 @@ class Equations(ABC):
         return self.z[self.size :]
 
 
+def along_pins(
+    functions: Functions, info: BranchInfo, mode: str, x: np.ndarray, p: np.ndarray
+) -> list[tuple[np.ndarray, bool]]:
+    """Held directions at a state of a mode, shape (n,) each, and whether they are others beside it."""
+    system, n, found = functions.system, len(x), []
+    declared, undeclared = (
+        {pin.name: pin for pin in system.neutral},
+        iter(info.settings.get("undeclared", ())),
+    )
+    for name in info.settings.get("pins", ()):
+        if name in declared:
+            direction, moved = functions.generator(declared[name], mode)(0.0, x, p)
+            found.append((direction, bool(moved[:, 1 : 1 + n].any())))
+        elif name in system.conserved_names:
+            found.append((np.zeros(n), True))  # of which there is no drift
+        else:
+            found.append((np.array(next(undeclared), dtype=float)[list(system.states_of(mode))], False))
+    return found
+
+
 def pin_rows(
     functions: Functions, info: BranchInfo, mode: str, first: np.ndarray, x: np.ndarray, p: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
@@ -113,8 +133,9 @@ def pin_rows(
         if name in system.conserved_names:
             continue
         if name in declared:
-            pin = declared[name]
-            directions.append(functions.generator(pin, mode)(0.0, first, p)[0])
+            pin, along = declared[name], functions.generator(declared[name], mode)
+            held = along(0.0, first, p)[0]
+            directions.append(along(0.0, x, p)[0])  # it may bend
             if pin.pin is not None and pin.value is not None:
                 at, value = (
                     states.index(system.state_names.index(pin.pin)),
@@ -125,9 +146,10 @@ def pin_rows(
                 rows.append(row)
                 continue
         else:
-            directions.append(np.array(next(undeclared), dtype=float)[states])
-        row[:n] = directions[-1]
-        residuals.append(directions[-1] @ (x - first))
+            held = np.array(next(undeclared), dtype=float)[states]
+            directions.append(held)
+        row[:n] = held
+        residuals.append(held @ (x - first))
         rows.append(row)
     return np.array(residuals), np.array(rows).reshape(-1, n + k), directions
 

@@ -100,7 +100,7 @@ class Functions:
 
     def __init__(self, system: System, parameters: Parameters) -> None:
         self.system, self.parameters = system, parameters
-        self.calls = 0  # right-hand sides that were spent
+        self.longest, self.switches = 0, 0  # right-hand sides of the longest motion; changes of modes
         self._known: dict[tuple, Function] = {}
 
     def field(self, mode: str) -> Function:

@@ -33,7 +33,8 @@ TESTS = {
     "end": END,
     "condition": CONDITION,
 }
-_INSTANT = re.compile(r"touched ([-+.0-9e]+)")
+INSTANT = re.compile(r"touched ([-+.0-9e]+)")
+_MODE = re.compile(r"in mode ([^:;,. ]+)")
 
 
 @dataclass(frozen=True)
@@ -65,13 +66,17 @@ def limit(label: str, point: SpecialPoint, equations: OrbitEquations, begin: Eva
     found = [each for kind in kinds for each in numbers(equations, begin, name, kind)]
     if not found:
         raise CannotTell(f"The orbit has no number '{name}' that could be zero.")
-    told = _INSTANT.search(point.note or "")
-    if told and any(each.kind == TOUCH for each in found):
-        found = [each for each in found if each.kind == TOUCH]
-        best = min(found, key=lambda each: abs(each.instant - float(told[1])))
-    else:
-        best = min(found, key=lambda each: abs(each.value) / each.scale)
-    return _kept_zero(equations, best, name)
+    told, mode = INSTANT.search(point.note or ""), _MODE.search(point.note or "")
+    if mode:
+        legs = [{leg.mode, leg.pieces[-1].mode} for leg in begin.legs]
+        found = [each for each in found if mode[1] in legs[each.leg]] or found
+    instant, total = float(told[1]) if told else None, sum(leg.duration for leg in begin.legs)
+
+    def away(number: Number) -> float:
+        late = 0.0 if instant is None else abs(number.instant - instant) / total
+        return late + abs(number.value) / number.scale
+
+    return _kept_zero(equations, min(found, key=away), name)
 
 
 def limit_of_curve(stored: Mapping[str, Any], equations: OrbitEquations, begin: Evaluation) -> Condition:
@@ -112,11 +117,19 @@ def numbers(equations: OrbitEquations, at: Evaluation, name: str, kind: str) -> 
             for transition in system.leaving(mode):
                 if transition.name == name:
                     guard = functions.guard(transition)
-                    yield from _guarded(equations, leg, number, kind, guard, mode, p)
+                    own = leg.event == name  # which is zero where the leg ends, on every orbit
+                    yield from _guarded(equations, leg, number, kind, guard, mode, p, own)
 
 
 def _guarded(
-    equations: OrbitEquations, leg: Leg, number: int, kind: str, guard: Function, mode: str, p: np.ndarray
+    equations: OrbitEquations,
+    leg: Leg,
+    number: int,
+    kind: str,
+    guard: Function,
+    mode: str,
+    p: np.ndarray,
+    own: bool,
 ) -> Iterator[Number]:
     """Numbers of one guard on one leg."""
     times = np.concatenate([piece.times for piece in leg.pieces])
@@ -127,8 +140,10 @@ def _guarded(
     scale, fastest = max(np.abs(values).max(), 1e-300), max(np.abs(rates).max(), 1e-300)
     if kind == RATE:
         yield Number(kind, number, times[-1] - leg.start, rates[-1], fastest)
-    if kind in (START, END):
-        yield Number(kind, number, 0.0, values[0 if kind == START else -1], scale)
+    if kind == START:
+        yield Number(kind, number, 0.0, values[0], scale)
+    if kind == END and not own:
+        yield Number(kind, number, times[-1] - leg.start, values[-1], scale)
     if kind != TOUCH:
         return
     for k in np.flatnonzero((rates[:-1] * rates[1:] < 0.0) & (np.diff(times) != 0.0)):

@@ -6,9 +6,8 @@ where deviations grow on it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,10 +16,11 @@ from contwalk.branch import BranchInfo
 from contwalk.errors import called
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
-from contwalk.verification.equations import Equations, Evaluation, pin_rows, without
+from contwalk.verification.equations import Equations, Evaluation, along_pins, pin_rows, without
 from contwalk.verification.finding import CannotTell
 from contwalk.verification.functions import Functions, Parameters
 from contwalk.verification.passage import EPSILON, Passage, passed
+from contwalk.verification.stored_orbit import stored_orbit
 
 
 @dataclass(frozen=True)
@@ -65,21 +65,57 @@ class OrbitEquations(Equations):
         self.turns = np.array(stored.get("turns") or np.zeros(len(info.states)), dtype=float)
         self.forced, self.eventful = system.period is not None, bool(self.legs[-1][1])
         sizes = [len(system.states_of(mode)) for mode, _ in self.legs]
-        ends = np.cumsum([0, *sizes])
-        self.first = [unknowns[a:b] for a, b in pairwise(ends)]
-        durations = np.array([period]) if smooth else unknowns[ends[-1] : ends[-1] + len(legs)]
-        start = 0.0 if smooth or not self.forced else float(unknowns[ends[-1] + len(legs)])
+        kept = stored_orbit(info, unknowns, sizes, self.forced, period)
+        self.first = [starts[0] for starts in kept.starts]
         self.closures = period / self._period(free) if self.forced else 0.0
         full = np.zeros((len(legs), len(info.states)))
-        for row, x, (mode, _) in zip(full, self.first, self.legs, strict=True):
-            row[list(system.states_of(mode))] = np.abs(x)
+        for row, starts, (mode, _) in zip(full, kept.starts, self.legs, strict=True):
+            row[list(system.states_of(mode))] = np.abs(starts).max(axis=0)
         self.scale = np.max(full, axis=0)
-        self.cuts = [1] * len(legs)
-        self._lay(self.first, durations, start, free)
+        self.drifts = self._straight(kept.drifts, free)
+        self._lay(kept.starts, kept.begins, kept.durations, kept.start, free)
 
-    def _lay(self, states: list[np.ndarray], durations: np.ndarray, start: float, free: np.ndarray) -> None:
-        """Put the unknowns in their places: states of all pieces, durations, start, and free parameters."""
-        self.z = np.concatenate([*states, durations, [start], free])
+    def _straight(self, stored: np.ndarray, free: np.ndarray) -> np.ndarray:
+        """How fast one drifts who sees the orbit close, along each held direction that is straight, (j,).
+
+        Raises
+        ------
+        CannotTell
+            If it is along one that bends.
+        """
+        self.straight, (mode, _), p = list[int](), self.legs[0], self.functions.parameters.at(free)
+        for number, (direction, bent) in enumerate(
+            along_pins(self.functions, self.info, mode, self.first[0], p)
+        ):
+            if not bent:
+                self.straight.append(number)
+            elif np.any(np.abs(stored[number] * direction) > EPSILON**0.5 * self._scale(mode)):
+                raise CannotTell("The orbit closes but for a drift along a direction that bends.")
+        return stored[self.straight]
+
+    def drifting(self, mode: str, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Straight held directions in the states of a mode, shape (n, j)."""
+        if not self.straight:
+            return np.zeros((len(x), 0))
+        found = [direction for direction, _ in along_pins(self.functions, self.info, mode, x, p)]
+        return np.array([found[number] for number in self.straight]).T
+
+    def _lay(
+        self,
+        starts: Sequence[np.ndarray],
+        begins: Sequence[np.ndarray],
+        durations: np.ndarray,
+        start: float,
+        free: np.ndarray,
+    ) -> None:
+        """Put the unknowns in their places: starts of all pieces, drifts, durations, start, free parameters.
+
+        All pieces but the last one of each leg keep their durations.
+        """
+        self.cuts = [len(own) for own in starts]
+        self.fixed = [np.diff(own) * lasts for own, lasts in zip(begins, durations, strict=True)]
+        states = [own.ravel() for own in starts]
+        self.z = np.concatenate([*states, self.drifts, durations, [start], free])
         self.size = len(self.z) - len(free)
         self.count = len(durations)
         self.sizes = np.maximum(np.abs(self.z), 1e-300)
@@ -90,38 +126,47 @@ class OrbitEquations(Equations):
         return float(called("period", self.functions.system.period, values))
 
     def settle(self, relative: float, most: float = 1e2, looked: int = 8, cuts: int = 64) -> None:
-        """Cut legs on which deviations grow, at states of a first motion; see how large the states are.
+        """Cut pieces over which deviations grow, at states of a first motion; see how large the states are.
 
         On one piece they grow `most` times at most: the equations are known to as many digits less. Over
-        `looked` parts of a leg it is looked at how they grow; it has `cuts` pieces at most.
+        `looked` parts of a piece it is looked at how they grow; one is cut into `cuts` at most.
         """
         legs = self.at(self.z, relative).legs
-        states, free = [], self.free
-        for number, leg in enumerate(legs):
-            whole = leg.pieces[0]
-            for i, size in zip(self._states(leg.mode), np.abs(whole.states).max(axis=0), strict=True):
+        for leg in legs:
+            for i, size in zip(
+                self._states(leg.mode),
+                np.max([np.abs(p.states).max(axis=0) for p in leg.pieces], axis=0),
+                strict=True,
+            ):
                 self.scale[i] = max(self.scale[i], size)
-            pieces = [whole]
-            inner = self._cut(number, leg, looked, relative)
-            if max(_grown(inner, looked)) > most:  # deviations that shrink again have grown all the same
-                pieces = inner
-            while len(pieces) < cuts and max(_grown(pieces, 1)) > most:
-                pieces = self._cut(number, leg, 2 * len(pieces), relative)
-            self.cuts[number] = len(pieces)
-            states += [self.first[number], *(piece.end for piece in pieces[:-1])]
+        starts, begins = list[np.ndarray](), list[np.ndarray]()
+        for leg in legs:
+            scale, own, times = self._scale(leg.mode), list[np.ndarray](), list[float]()
+            for whole in leg.pieces:
+                begin, end = float(whole.times[0]), float(whole.times[-1])
+                pieces, inner = [whole], self._cut(leg.mode, whole, looked, relative)
+                if (
+                    max(_grown(inner, scale, looked)) > most
+                ):  # those that shrink again have grown all the same
+                    pieces = inner
+                while len(pieces) < cuts and max(_grown(pieces, scale, 1)) > most:
+                    pieces = self._cut(leg.mode, whole, 2 * len(pieces), relative)
+                own += [piece.states[0] for piece in pieces]
+                times += [begin + (end - begin) * k / len(pieces) for k in range(len(pieces))]
+            starts.append(np.array(own))
+            begins.append((np.array(times) - leg.start) / leg.duration)
         tail = self.z[self.size - self.count - 1 : self.size]
-        self._lay(states, tail[:-1], float(tail[-1]), free)
-        self.fixed = [float(d) / c for d, c in zip(tail[:-1], self.cuts, strict=True)]
+        self._lay(starts, begins, tail[:-1], float(tail[-1]), self.free)
 
-    def _cut(self, number: int, leg: Leg, cuts: int, relative: float) -> list[Passage]:
-        """A leg in pieces of one duration."""
-        x, p, found = self.first[number], self.functions.parameters.at(self.free), list[Passage]()
-        each = leg.duration / cuts
+    def _cut(self, mode: str, whole: Passage, cuts: int, relative: float) -> list[Passage]:
+        """A piece in several of one duration."""
+        x, p, found = whole.states[0], self.functions.parameters.at(self.free), list[Passage]()
+        each = float(whole.times[-1] - whole.times[0]) / cuts
         for i in range(cuts):
-            begin = leg.start + each * i
-            piece = passed(self.functions, leg.mode, begin, x, each, p, self._scale(leg.mode), relative)
+            begin = float(whole.times[0]) + each * i
+            piece = passed(self.functions, mode, begin, x, each, p, self._scale(mode), relative)
             found.append(piece)
-            x = piece.end
+            x = piece.end + each * self.drifting(mode, x, p) @ self.drifts
         return found
 
     def _states(self, mode: str) -> tuple[int, ...]:
@@ -142,13 +187,15 @@ class OrbitEquations(Equations):
         return work.evaluation()
 
 
-def _grown(pieces: list[Passage], most: int) -> Iterator[float]:
-    """By how much deviations grow over each of some pieces, and over several up to so many in a row."""
+def _grown(pieces: list[Passage], scale: np.ndarray, most: int) -> Iterator[float]:
+    """By how much deviations grow over each of some pieces, and over several up to so many in a row, in units
+    of the states, shape (n,).
+    """
     for i in range(len(pieces)):
         product = np.eye(len(pieces[i].end))
         for piece in pieces[i : i + most]:
             product = piece.derivative[:, 1 : 1 + len(product)] @ product
-            yield float(np.linalg.norm(product, 2))
+            yield float(np.linalg.norm(product / scale[:, None] * scale, 2))
 
 
 class _Assembly:
@@ -162,6 +209,7 @@ class _Assembly:
         self.rows: list[np.ndarray] = []
         self.legs: list[Leg] = []
         self.durations = slice(orbit.size - orbit.count - 1, orbit.size - 1)
+        self.drifts = slice(self.durations.start - len(orbit.drifts), self.durations.start)
         self.t, self.dt = float(z[orbit.size - 1]), np.eye(n)[orbit.size - 1]
         self.place = 0
         self.monodromy = np.eye(len(orbit.first[0]))
@@ -172,28 +220,26 @@ class _Assembly:
         mode, event = orbit.legs[number]
         n, cuts, total = len(orbit.first[number]), orbit.cuts[number], z[self.durations][number]
         pieces, begun = [], (self.t, float(total))
-        by_duration = np.eye(len(z))[self.durations.start + number]
+        by_duration, fixed = np.eye(len(z))[self.durations.start + number], orbit.fixed[number]
         for i in range(cuts):
             last = i == cuts - 1
-            lasts = (
-                total - (cuts - 1) * orbit.fixed[number]
-                if last and cuts > 1
-                else total / cuts
-                if cuts == 1
-                else orbit.fixed[number]
-            )
+            lasts = float(total - fixed.sum() if last else fixed[i])
             own = slice(self.place, self.place + n)
             self.place += n
             piece = passed(
-                self.functions, mode, self.t, z[own], float(lasts), self.p, orbit._scale(mode), self.relative
+                self.functions, mode, self.t, z[own], lasts, self.p, orbit._scale(mode), self.relative
             )
+            directions = orbit.drifting(mode, z[own], self.p)
+            drift = directions @ z[self.drifts]
+            piece = replace(piece, end=piece.end + lasts * drift, rate=piece.rate + drift)
             pieces.append(piece)
             moved = np.outer(piece.derivative[:, 0], self.dt)
             moved[:, own] += piece.derivative[:, 1 : 1 + n]
             moved[:, orbit.size :] += piece.derivative[:, 1 + n :]
+            moved[:, self.drifts] += lasts * directions
             if last:
                 moved += np.outer(piece.rate, by_duration)
-            self.t += float(lasts)
+            self.t += lasts
             self.monodromy = piece.derivative[:, 1 : 1 + n] @ self.monodromy
             if not last:
                 moved[:, self.place : self.place + n] -= np.eye(n)
@@ -221,7 +267,8 @@ class _Assembly:
             self._write(value, row[None])
             rate = float(slope[0, 0] + slope[0, 1 : 1 + n] @ piece.rate)
             time = float(self.z[orbit.size - 1]) if last else self.t  # an image is one of another time
-            then, _ = functions.field(target)(time, after, self.p)
+            then = functions.field(target)(time, after, self.p)[0]
+            then = then + orbit.drifting(target, after, self.p) @ self.z[self.drifts]
             with np.errstate(all="ignore"):
                 saltation = saltation + np.outer(
                     then - by[:, 1 : 1 + n] @ piece.rate - by[:, 0], slope[0, 1 : 1 + n] / rate
@@ -243,7 +290,8 @@ class _Assembly:
         mode, x, first = orbit.legs[0][0], z[: len(orbit.first[0])], orbit.first[0]
         start = float(z[orbit.size - 1])
         n, width = len(x), len(z)
-        self.flow, _ = functions.field(mode)(start, x, self.p)
+        self.flow = functions.field(mode)(start, x, self.p)[0]
+        self.flow = self.flow + orbit.drifting(mode, x, self.p) @ z[self.drifts]
         if orbit.forced:
             period, by_free = self._forced()
             row = np.zeros(width)

@@ -16,7 +16,8 @@ from contwalk.verification.functions import Function, Functions
 # with ten times as much, to see what the tolerance makes of it.
 TIGHT = 100.0 * EPSILON
 COARSER = 10.0
-# Of one record no more right-hand sides are taken, half a minute of them: so many are those of a stiff field.
+# Right-hand sides of one motion at most, a minute of them; and many times those of the longest one before, at
+# whatever tolerance: what takes more is stiff, or its terms are rounded by more than the tolerance.
 MOST_CALLS = 2_000_000
 
 
@@ -30,8 +31,8 @@ class Passage:
 
     Parameters
     ----------
-    times, states : ndarray, shapes (s,) and (s, n)
-        At the integrator's own steps.
+    times, states, tangents : ndarray, shapes (s,), (s, n) and (s, n, 1 + n + k)
+        At the integrator's own steps; the last ones are derivatives, as `derivative` is that of the end.
     end : ndarray, shape (n,)
     derivative : ndarray, shape (n, 1 + n + k)
         Of the end, by the time of the start (with the duration as it is), its states, and free parameters.
@@ -43,6 +44,7 @@ class Passage:
 
     times: np.ndarray
     states: np.ndarray
+    tangents: np.ndarray
     end: np.ndarray
     derivative: np.ndarray
     rate: np.ndarray
@@ -77,20 +79,22 @@ def passed(
     sizes = np.concatenate(
         [scale, np.outer(scale, np.concatenate([[1.0], 1.0 / scale, np.ones(width - 1 - n)])).ravel()]
     )
-    times, states, t, end = [np.array([start])], [x[None]], start, start + duration
+    times, whole, t, end = [np.array([start])], [y[None]], start, start + duration
     motion = _Motion(functions, p, relative, sizes, width)
     mode = _settled(functions, mode, start, x, p)
     while True:
         found = motion.followed(mode, t, y, end)
         times.append(found.t[1:])
-        states.append(found.y[:n, 1:].T)
+        whole.append(found.y[:, 1:].T)
         t, y = float(found.t[-1]), found.y[:, -1]
         if found.status == 0:
             break
         mode = _switched(functions, mode, found).target
     field = functions.field(mode)
     rate, _ = field(t, y[:n], p)
-    return Passage(np.concatenate(times), np.vstack(states), y[:n], y[n:].reshape(n, width), rate, mode)
+    along = np.vstack(whole)
+    tangents = along[:, n:].reshape(-1, n, width)
+    return Passage(np.concatenate(times), along[:, :n], tangents, y[:n], tangents[-1], rate, mode)
 
 
 def reached(
@@ -134,16 +138,20 @@ class _Motion:
         """A motion in one mode, up to a soft transition, as SciPy has it; y has the shape (n + n width,)."""
         from scipy.integrate import solve_ivp
 
-        functions, width = self.functions, self.width
+        functions, width, calls = self.functions, self.width, 0
+        most = min(100 * max(functions.longest, 200), MOST_CALLS) if functions.longest else MOST_CALLS
         field, n = functions.field(mode), len(y) // (1 + width)
         field.at(self.p)
         whole = np.eye(width)  # the time, the states and the free parameters, by themselves
 
         def right(t: float, y: np.ndarray) -> np.ndarray:
-            functions.calls += 1
+            nonlocal calls
+            calls += 1
             budget.ask()
-            if functions.calls > MOST_CALLS:
-                raise CannotIntegrate("SciPy's DOP853 takes too many steps: the field is stiff there.")
+            if calls > most:
+                raise CannotIntegrate(
+                    "SciPy's DOP853 takes too many steps: the field is stiff there, or rounded."
+                )
             f, moved = field.linear(t, y[:n])
             if not width:
                 return f.copy()
@@ -159,7 +167,10 @@ class _Motion:
         given = {"rtol": self.relative, "atol": self.relative * self.sizes, "events": softs or None}
         with np.errstate(all="ignore"):  # what is not finite shows in what comes out
             found = solve_ivp(right, (t, end), y, method="DOP853", **given)
-        functions.calls += 1  # a motion that only changes its mode comes to an end as well
+        functions.longest = max(functions.longest, calls)
+        functions.switches += len(softs) > 0 and found.status == 1
+        if functions.switches > MOST_CALLS // 200:  # a motion that only changes its mode ends as well
+            raise CannotIntegrate("The motion changes its mode again and again.")
         if found.status < 0 or not np.isfinite(found.y[:, -1]).all():
             raise CannotIntegrate(f"SciPy's DOP853 does not follow the motion: {found.message}")
         return found

@@ -29,7 +29,6 @@ from contwalk.verification.finding import (
 from contwalk.verification.limits import KINDS, limit
 from contwalk.verification.marks import mark
 from contwalk.verification.orbit import OrbitEquations
-from contwalk.verification.passage import COARSER, TIGHT
 from contwalk.verification.records import equations_of, free_of, of_orbits
 from contwalk.verification.rows import checked_row
 from contwalk.verification.solving import Condition, NotThere, Sheet, Solution, solved
@@ -66,7 +65,7 @@ def checked_point(system: System, branch: Branch, point: SpecialPoint) -> Findin
         return replace(begun, reason="it has no error that it could be compared with")
     try:
         equations, conditions = _defined(system, branch, point)
-        sheet = Sheet(equations, COARSER * TIGHT)
+        sheet = Sheet(equations)
         found = solved(sheet, conditions(sheet))
     except NotThere as failure:
         return _lost(begun, point, failure, stored, errors)

@@ -10,7 +10,7 @@ from contwalk.verification.equations import Equations
 from contwalk.verification.equilibrium import EquilibriumEquations
 from contwalk.verification.finding import CannotTell
 from contwalk.verification.orbit import OrbitEquations
-from contwalk.verification.passage import COARSER, TIGHT
+from contwalk.verification.solving import ROUGH
 
 
 def problem_of(branch: Branch) -> str:
@@ -55,11 +55,12 @@ def equations_of(system: System, branch: Branch, place: int | SpecialPoint) -> E
         )
         return equations
     period = float(row["period"] if point is None or point.period is None else point.period)
-    orbit = OrbitEquations(system, branch.info, unknowns, period, free)
+    own = unknowns[: len(unknowns) + 1 - len(free)]  # the other free parameter is the last one
+    orbit = OrbitEquations(system, branch.info, own, period, free)
     mode = orbit.legs[0][0]
     first = list(system.states_of(mode))
     orbit.scale[first] = np.maximum(orbit.scale[first], weights[: len(first)])
-    orbit.settle(COARSER * TIGHT)
+    orbit.settle(ROUGH)
     orbit.sizes = np.concatenate(
         [
             *(
@@ -67,6 +68,7 @@ def equations_of(system: System, branch: Branch, place: int | SpecialPoint) -> E
                 for (mode, _), cuts in zip(orbit.legs, orbit.cuts, strict=True)
                 for _ in range(cuts)
             ),
+            np.full(len(orbit.drifts), float(np.max(orbit.scale)) / period),
             np.full(orbit.count + 1, period),
             np.maximum(np.abs(free), _of_free(weights, free)),
         ]

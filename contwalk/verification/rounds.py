@@ -76,7 +76,10 @@ class Round:
         n, moved = len(self.origin), np.zeros((len(self.origin), len(self.free)))
         for piece in self.legs[0].pieces:
             moved = piece.derivative[:, 1 : 1 + n] @ moved + piece.derivative[:, 1 + n :]
-        return np.asarray(self.basis.T @ moved)
+        own, end = self.equations, self.legs[0].pieces[-1]
+        image = own.functions.jump(None, end.mode, self.mode, own.image, own.power)
+        _, by = image(self.start, end.end, self.p)
+        return np.asarray(self.basis.T @ (by[:, 1 : 1 + n] @ moved + by[:, 1 + n :]))
 
     def __call__(self, xi: np.ndarray) -> np.ndarray:
         """Where a start xi, shape (r,), comes back; both from the orbit's own start."""

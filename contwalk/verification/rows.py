@@ -16,7 +16,7 @@ from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, 
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import COARSER, TIGHT
 from contwalk.verification.records import equations_of, of_orbits
-from contwalk.verification.solving import Condition, Sheet, Solution, solved
+from contwalk.verification.solving import ROUGH, Condition, Held, Sheet, Solution, solved
 
 # How many eigenvalues are at the border all along a curve.
 CRITICAL = {"LP": 1, "BP": 1, "PD": 1, "HB": 2, "NS": 2}
@@ -31,7 +31,7 @@ def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
         equations = equations_of(system, branch, row)
         if unfolds(branch):
             equations = Unfolded(equations)
-        sheet = Sheet(equations, COARSER * TIGHT)
+        sheet = Sheet(equations, _tolerance(branch, row))
         found = solved(sheet, _conditions(branch, row, equations, sheet))
     except CannotTell as reason:
         return [replace(begun, reason=str(reason))]
@@ -49,10 +49,20 @@ def _conditions(branch: Branch, row: int, equations: Equations, sheet: Sheet) ->
     if not (own := of_curve(branch, branch.points["spectrum"][row], equations, sheet)):
         which, scale = _compared(branch, row, equations)
         normal = sheet.along[which, 0] / scale**2
-        normal /= np.linalg.norm(normal * scale)
-        return [lambda at: float(normal @ (at.z - equations.z)[which])]
+        gradient = np.zeros(len(equations.z))
+        gradient[which] = normal / np.linalg.norm(normal * scale)
+        return [Held(equations.z, gradient)]
     along = along_curve(branch, row, equations)
-    return [*own, lambda at: float(along @ (at.z - equations.z)[equations.size :])]
+    return [*own, Held(equations.z, np.append(np.zeros(equations.size), along))]
+
+
+def _tolerance(branch: Branch, row: int, part: float = 1e-4) -> float:
+    """The coarser tolerance of motions: a part of what the row says that it is known to."""
+    at = branch.points[row]
+    leading = max(abs(complex(at["spectrum"][0])) if len(at["spectrum"]) else 1.0, 1.0)
+    claims = [float(at["error"]), float(at["spectrum_error"]) / leading]
+    known = min((each for each in claims if each > 0.0), default=0.0)  # what is not a number is not known
+    return float(np.clip(part * known, COARSER * TIGHT, ROUGH))
 
 
 def _compared(branch: Branch, row: int, equations: Equations) -> tuple[np.ndarray, np.ndarray]:
@@ -116,7 +126,7 @@ def _leading(begun: Finding, branch: Branch, row: int, equations: Equations, fou
         # The same orbit but for its start, which is where the row has it: it is followed no farther from it.
         which, z = _compared(branch, row, equations)[0], found.at.z.copy()
         z[which] = equations.z[which]
-        shifted = np.abs(equations.at(z, COARSER * TIGHT).spectrum - spectrum[nearest]).min()
+        shifted = np.abs(equations.at(z, found.at.relative).spectrum - spectrum[nearest]).min()
         result = replace(result, own_error=known + float(shifted))
     if result.difference > SLACK * (result.stored_error + result.own_error):
         return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")

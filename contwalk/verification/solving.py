@@ -18,6 +18,24 @@ from contwalk.verification.passage import COARSER, EPSILON, TIGHT, CannotIntegra
 
 # A condition, of shape (), at a place; smooth near a solution.
 Condition = Callable[[Evaluation], float]
+
+
+@dataclass(frozen=True)
+class Held:
+    """A condition that a component of z along a direction keeps its value.
+
+    Parameters
+    ----------
+    origin, gradient : ndarray, shape (N + k,)
+    """
+
+    origin: np.ndarray
+    gradient: np.ndarray
+
+    def __call__(self, at: Evaluation) -> float:
+        return float(self.gradient @ (at.z - self.origin))
+
+
 # Steps of this size are as long as differences need; a singular value below this part of the largest is zero.
 ROUGH = EPSILON**0.5
 
@@ -50,8 +68,8 @@ class Sheet:
     Parameters
     ----------
     equations : Equations
-    tolerance : float
-        Of motions.
+    relative : float
+        The coarser tolerance of motions; by default the tightest but one.
 
     Raises
     ------
@@ -59,9 +77,9 @@ class Sheet:
         If the equations are not independent there.
     """
 
-    def __init__(self, equations: Equations, tolerance: float) -> None:
-        self.equations = equations
-        self.begin = equations.at(equations.z, tolerance)
+    def __init__(self, equations: Equations, relative: float = COARSER * TIGHT) -> None:
+        self.equations, self.relative = equations, relative
+        self.begin = equations.at(equations.z, relative)
         left, values, right = np.linalg.svd(self.begin.jacobian * equations.sizes)
         self.free = len(equations.free)
         rank = equations.rank
@@ -88,40 +106,46 @@ class Sheet:
 
 
 def solved(sheet: Sheet, conditions: list[Condition]) -> Solution:
-    """The place where the conditions are zero, at two tolerances.
+    """The place where the conditions are zero, at two tolerances: the tightest at which motions are followed.
 
     Raises
     ------
     CannotTell
         If Newton's method does not get there.
     """
+    try:
+        return _solved(sheet, conditions, sheet.relative)
+    except CannotIntegrate:
+        return _solved(sheet, conditions, COARSER * sheet.relative)
+
+
+def _solved(sheet: Sheet, conditions: list[Condition], relative: float) -> Solution:
+    """As `solved`, at a tolerance and a tighter one."""
     equations, values = sheet.equations, _values(conditions, sheet.begin)
-    slopes = np.zeros((len(values), sheet.along.shape[1]))
-    for i, direction in enumerate(sheet.along.T):
-        step = ROUGH / float(np.max(np.abs(direction / equations.sizes)))
-        ahead = equations.at(equations.z + step * direction, COARSER * TIGHT)
-        slopes[:, i] = (_values(conditions, ahead) - values) / step
+    gradients = _gradients(sheet, conditions, values)
+    slopes = gradients @ sheet.along
     if not np.isfinite(slopes).all():
         raise CannotTell("What defines the point has no value beside it.")
     if np.linalg.matrix_rank(slopes) < slopes.shape[1]:
         if np.max(np.abs(values)) > ROUGH:
             raise NotThere(np.full(len(equations.z), np.inf))
         raise CannotTell("What defines the point does not change along the branch there.")
-    gradients = slopes @ np.linalg.pinv(sheet.along)
+    finer = relative / COARSER
     try:
-        coarse, first, gradients = _newton(sheet, conditions, sheet.begin, gradients, COARSER * TIGHT)
+        coarse, first, gradients = _newton(sheet, conditions, sheet.begin, gradients, relative)
         # Of equilibria only rounding differs: the second time they are solved from elsewhere.
         begin = coarse.z if equations.unit else coarse.z + (coarse.z - equations.z)
-        fine, _, _ = _newton(sheet, conditions, equations.at(begin, TIGHT), gradients, TIGHT)
+        fine, _, _ = _newton(sheet, conditions, equations.at(begin, finer), gradients, finer)
     except NotThere as failure:
-        again = _values(conditions, equations.at(equations.z, TIGHT)) - values
+        again = _values(conditions, equations.at(equations.z, finer)) - values
         failure.noise = np.abs(sheet.along @ np.linalg.lstsq(slopes, again, rcond=None)[0])
         raise
-    again = equations.at(fine.z, COARSER * TIGHT)  # what the tolerance makes of the conditions themselves
-    away = sheet.along @ np.linalg.lstsq(slopes, _values(conditions, again), rcond=None)[0]
-    error = np.maximum(np.abs(fine.z - coarse.z), np.abs(away)) + np.spacing(np.abs(fine.z))
+    error = np.abs(fine.z - coarse.z) + np.spacing(np.abs(fine.z))
+    if not _held(conditions):  # what the tolerance makes of the conditions themselves
+        again = _values(conditions, equations.at(fine.z, relative))
+        error = np.maximum(error, np.abs(sheet.along @ np.linalg.lstsq(slopes, again, rcond=None)[0]))
     if equations.unit:  # errors of steps that both motions have in common add up to a few tolerances
-        error += COARSER * TIGHT * equations.sizes
+        error += relative * equations.sizes
     else:
         error += sheet.rounding(fine)
     spread = np.array([])
@@ -129,6 +153,22 @@ def solved(sheet: Sheet, conditions: list[Condition]) -> Solution:
         spread = np.array([_nearest(coarse.spectrum, value) for value in fine.spectrum])
         spread += rounded_eigenvalues(fine.matrix)
     return Solution(fine, fine.z - equations.z, error, spread, first)
+
+
+def _held(conditions: list[Condition]) -> bool:
+    return all(isinstance(each, Held) for each in conditions)
+
+
+def _gradients(sheet: Sheet, conditions: list[Condition], values: np.ndarray) -> np.ndarray:
+    """Derivatives of the conditions, shape (c, N + k): unless known, along the sheet alone."""
+    if _held(conditions):
+        return np.array([each.gradient for each in conditions if isinstance(each, Held)])
+    equations, slopes = sheet.equations, np.zeros((len(values), sheet.along.shape[1]))
+    for i, direction in enumerate(sheet.along.T):
+        step = ROUGH / float(np.max(np.abs(direction / equations.sizes)))
+        ahead = equations.at(equations.z + step * direction, sheet.relative)
+        slopes[:, i] = (_values(conditions, ahead) - values) / step
+    return np.asarray(slopes @ np.linalg.pinv(sheet.along))
 
 
 def _newton(
@@ -140,6 +180,7 @@ def _newton(
     along it.
     """
     equations, sizes = sheet.equations, sheet.equations.sizes
+    known = relative if equations.unit else 4.0 * EPSILON  # below it lies what tolerances make of it
     first, before, size, stalls = np.full(len(at.z), np.inf), None, np.inf, 0
     for _ in range(12):
         onto, values = sheet.towards(at), _values(conditions, at)
@@ -154,7 +195,7 @@ def _newton(
         now = float(np.max(np.abs(whole / sizes)))
         # A first step onto the sheet changes the conditions as well, so that one step gains nothing.
         stalls += now > 0.5 * size and size < ROUGH
-        if now < 4.0 * EPSILON or stalls > (now > ROUGH * ROUGH**0.5):
+        if now < known or stalls > (now > ROUGH * ROUGH**0.5):
             return at, first, gradients
         if not now < 1.0:  # as far as things are large
             break
