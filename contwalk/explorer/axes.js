@@ -34,7 +34,9 @@ class Axes {
     this.svg = svg;
     this.redraw = redraw;
     this.view = { x: [0, 1], y: [0, 1] };
-    this.margin = { left: 58, right: 14, top: 12, bottom: 40 };
+    this.plain = { left: 58, right: 16, top: 26, bottom: 40 };
+    this.margin = { ...this.plain };
+    this.scale = 1;
     this.frame = element("g", { class: "frame", "aria-hidden": "true" }, svg);
     const name = `clip-${svg.id}`;
     const clip = element("clipPath", { id: name }, svg);
@@ -46,6 +48,9 @@ class Axes {
     this.width = Math.max(box.width, 80);
     this.height = Math.max(box.height, 80);
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
+    // Texts follow the page's size of letters, and what is around the axes follows texts.
+    this.scale = parseFloat(getComputedStyle(document.documentElement).fontSize) / 15;
+    for (const side in this.plain) this.margin[side] = this.plain[side] * this.scale;
   }
   fit(xs, ys) {
     for (const [axis, values] of [["x", xs], ["y", ys]]) {
@@ -76,25 +81,24 @@ class Axes {
     this.view.y = [middle[1] - unit * height / 2, middle[1] + unit * height / 2];
   }
   drawFrame(xlabel, ylabel) {
-    const { left, top } = this.margin, { width, height } = this.inner();
+    const { left, top } = this.margin, { width, height } = this.inner(), k = this.scale;
     for (const [key, value] of Object.entries({ x: left, y: top, width, height })) this.clip.setAttribute(key, value);
     this.frame.replaceChildren();
     const base = top + height;
-    for (const [value, text] of ticks(...this.view.x, width / 90)) {
+    for (const [value, text] of ticks(...this.view.x, width / (90 * k))) {
       const x = this.px(value);
       element("line", { x1: x, x2: x, y1: top, y2: base, class: "grid" }, this.frame);
-      element("text", { x, y: base + 16, class: "tick", "text-anchor": "middle" }, this.frame).textContent = text;
+      element("text", { x, y: base + 16 * k, class: "tick", "text-anchor": "middle" }, this.frame).textContent = text;
     }
-    for (const [value, text] of ticks(...this.view.y, height / 55)) {
+    for (const [value, text] of ticks(...this.view.y, height / (55 * k))) {
       const y = this.py(value);
       element("line", { x1: left, x2: left + width, y1: y, y2: y, class: "grid" }, this.frame);
-      element("text", { x: left - 8, y: y + 4, class: "tick", "text-anchor": "end" }, this.frame).textContent = text;
+      element("text", { x: left - 8 * k, y: y + 4 * k, class: "tick", "text-anchor": "end" }, this.frame).textContent = text;
     }
     element("path", { d: `M${left} ${top}V${base}H${left + width}`, class: "axis" }, this.frame);
-    if (xlabel) element("text", { x: left + width, y: base + 33, class: "name", "text-anchor": "end" },
+    if (xlabel) element("text", { x: left + width, y: base + 33 * k, class: "name", "text-anchor": "end" },
       this.frame).textContent = xlabel;
-    if (ylabel) element("text", { x: 0, y: 0, class: "name", "text-anchor": "end",
-      transform: `translate(14 ${top}) rotate(-90)` }, this.frame).textContent = ylabel;
+    if (ylabel) element("text", { x: 4, y: top - 11 * k, class: "name" }, this.frame).textContent = ylabel;
   }
   zoom(factor, at = null) {
     const { left, top } = this.margin, { width, height } = this.inner();

@@ -13,6 +13,11 @@ function between(values, at) {
   return share ? values[row] + share * (values[next] - values[row]) : values[row];
 }
 
+// Bifurcations come first where there is not room for all.
+function rank(point) {
+  return ["LP", "HB", "BP", "PD", "NS"].includes(point.label) ? 0 : point.label === "UZ" ? 2 : 1;
+}
+
 class Diagram {
   constructor(svg, data, panel, choose) {
     this.svg = svg;
@@ -117,14 +122,13 @@ class Diagram {
     const marks = this.places.filter(place => place.kind === "point" && place.point.label !== "EP")
       .map(place => ({ ...place, px: axes.px(place.x), py: axes.py(place.y) }))
       .filter(each => each.px >= left && each.px <= left + width && each.py >= top && each.py <= top + height);
-    const rank = each => "LP HB BP PD NS".includes(each.point.label) ? 0 : each.point.label === "UZ" ? 2 : 1;
     for (const mark of marks) taken.push([mark.px - 5, mark.py - 5, mark.px + 5, mark.py + 5]);
     const free = box => box[0] >= left && box[2] <= left + width && box[1] >= top && box[3] <= top + height &&
       !taken.some(other => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1]);
-    for (const mark of marks.sort((a, b) => rank(a) - rank(b))) {
-      const text = mark.point.name, wide = 7.2 * text.length + 4;
-      const spots = [[8, -8], [8, 16], [-8 - wide, -8], [-8 - wide, 16], [-wide / 2, -12], [-wide / 2, 21]];
-      const spot = spots.find(([dx, dy]) => free([mark.px + dx, mark.py + dy - 11, mark.px + dx + wide, mark.py + dy + 3]));
+    for (const mark of marks.sort((a, b) => rank(a.point) - rank(b.point))) {
+      const text = mark.point.name, k = axes.scale, wide = k * (7.6 * text.length + 4);
+      const spots = [[8, -8 * k], [8, 16 * k], [-8 - wide, -8 * k], [-8 - wide, 16 * k], [-wide / 2, -12 * k], [-wide / 2, 21 * k]];
+      const spot = spots.find(([dx, dy]) => free([mark.px + dx, mark.py + dy - 11 * k, mark.px + dx + wide, mark.py + dy + 3 * k]));
       if (!spot) {
         let nearest = null, way = 60;
         for (const each of written) {
@@ -134,12 +138,18 @@ class Diagram {
         if (nearest) nearest.more++;
         continue;
       }
-      taken.push([mark.px + spot[0], mark.py + spot[1] - 11, mark.px + spot[0] + wide, mark.py + spot[1] + 3]);
+      const box = [mark.px + spot[0], mark.py + spot[1] - 11 * k, mark.px + spot[0] + wide, mark.py + spot[1] + 3 * k];
+      taken.push(box);
       const node = element("text", { x: mark.px + spot[0] + 2, y: mark.py + spot[1], class: `label ${mark.branch}` }, this.labels);
       node.textContent = text;
-      written.push({ ...mark, more: 0, label: node });
+      written.push({ ...mark, more: 0, label: node, box, before: spot[0] < 0 });
     }
     for (const each of written) if (each.more) {
+      const box = [...each.box];
+      box[0] = box[2];
+      box[2] += 7 * this.axes.scale * (String(each.more).length + 2);
+      if (each.before || !free(box)) continue;
+      taken.push(box);
       const more = element("tspan", { class: "more" }, each.label);
       more.textContent = ` +${each.more}`;
     }

@@ -53,6 +53,9 @@ def explored(
     database: FileDatabase,
     trust: bool = False,
     progress: Callable[[int, int], None] = lambda done, number: None,
+    *,
+    moving: bool = True,
+    watched: str = "",
 ) -> Explored:
     """The page of a database, with its orbits integrated once more by the system.
 
@@ -62,20 +65,25 @@ def explored(
     trust : bool
     progress : callable
         Told the number of points that are done, and of all.
+    moving : bool
+        Whether orbits are integrated once more.
+    watched : str
+        What changes with the database, of a page that looks for changes; empty for one that stands alone.
 
     Raises
     ------
     ContwalkError
-        If the database cannot be read or has no branch, or a drawing of the system fails.
+        If the database cannot be read, or has no branch and is not watched.
     """
     branches = database.branches()
     header = database.header
     missing: list[str] = []
-    if not branches:
+    if not branches and not watched:
         raise ContwalkError(
             f"{database.path} has no branches, so there is nothing to look at.", "Compute some."
         )
-    system = _system(database, trust, missing)
+    system = _system(database, trust, missing) if moving else None
+    missing += [] if moving else ["A run is writing this database: motions are shown when it has ended."]
     units = _units(header.provenance, system)
     number = sum(len(branch) + len(branch.special_points) for branch in branches)
     done = 0
@@ -98,7 +106,8 @@ def explored(
         "notes": [printable(text) for text in dict.fromkeys(database.notes().values())],
         "missing": [printable(text) for text in missing],
         "error": max((part.error for part in parts.values()), default=0.0),
-        "states": list(branches[0].info.states),
+        "states": list(branches[0].info.states) if branches else [],
+        "watched": watched,
         "time": f"time ({time})" if (time := units.get("period", "")) not in ("", "1") else "time",
         "command": _command(header.provenance, database.path),
         "draws": system is not None and system.draw is not None,
@@ -106,7 +115,8 @@ def explored(
     blocks = {"head": packed(head)}
     blocks |= {f"words {name}": part.words for name, part in parts.items()}
     blocks |= {f"motions {name}": part.motions for name, part in parts.items() if part.motions}
-    return Explored(written(f"{header.system}: {database.path.name}", blocks), tuple(missing))
+    title = f"{header.system}: {database.path.name}"
+    return Explored(written(title, blocks, connected=bool(watched)), tuple(missing))
 
 
 def _system(database: FileDatabase, trust: bool, missing: list[str]) -> System | None:

@@ -4,8 +4,8 @@ const byName = new Map(data.branches.map(branch => [branch.name, branch]));
 const get = id => document.getElementById(id);
 const diagrams = [];
 const spectrum = new Spectrum(get("spectrum-svg"));
-const portrait = new Curve(get("portrait-svg"), { left: 58, right: 14, top: 12, bottom: 40 });
-const series = new Curve(get("series-svg"), { left: 58, right: 14, top: 12, bottom: 40 });
+const portrait = new Curve(get("portrait-svg"));
+const series = new Curve(get("series-svg"));
 const machine = new Machine(get("machine-svg"));
 let chosen = null, motion = null, phase = 0, playing = false, preview = 0, since = null;
 
@@ -72,6 +72,7 @@ function follow(found) {
   const branch = found ? found.branch : null, states = data.states;
   machine.show(motion && motion.pictures ? motion.pictures : null);
   const still = branch && !branch.orbit;
+  document.body.classList.toggle("rest", !(motion && motion.times.length));
   get("without").textContent = !found || motion && motion.times.length || still ? "" :
     branch.plane ? "A curve in two parameters holds no motion." : "The motion of this point cannot be shown.";
   redraw();
@@ -83,7 +84,13 @@ function redraw() {
   const xs = read(x), ys = read(y), zs = read(z), times = motion && motion.times.length ? motion.times : [0];
   const broken = k => times[k] === times[k - 1];
   portrait.broken = series.broken = broken;
-  portrait.show(xs, ys, [x, y], []);
+  // At rest: where it stands among all points of its branch.
+  const column = name => chosen && chosen.row !== null ? columnOf(chosen.branch, name) : null;
+  const along = !(motion && motion.times.length) && column(x) && column(y);
+  portrait.still = along ? [between(column(x), chosen.at), between(column(y), chosen.at)] : null;
+  if (along) portrait.broken = () => false;
+  portrait.path.classList.toggle("pale", Boolean(along));
+  portrait.show(along ? column(x) : xs, along ? column(y) : ys, [x, y], []);
   series.show(times, zs, [data.time, z], motion && motion.times.length ? motion.events : []);
   show(phase);
 }
@@ -103,7 +110,8 @@ function show(time) {
   }
   const way = times[high] - times[low], share = way > 0 ? Math.min(1, (time - times[low]) / way) : 0;
   const value = values => values[low] + share * (values[high] - values[low]);
-  if (portrait.xs) portrait.at(value(portrait.xs), value(portrait.ys), false);
+  if (portrait.still) portrait.at(...portrait.still, false);
+  else if (portrait.xs) portrait.at(value(portrait.xs), value(portrait.ys), false);
   if (series.xs) series.at(time, value(series.ys), Boolean(move));
   get("time").value = move ? Math.round(1000 * time / motion.period) : 0;
   get("clock").textContent = move ? `${time.toPrecision(4)} of ${motion.period.toPrecision(6)}` : "at rest";
@@ -232,7 +240,8 @@ function begin() {
   }).observe(document.querySelector("main"));
   const asked = new URLSearchParams(location.search).get("point");
   const first = data.branches.find(branch => branch.count);
-  const special = first && first.points.find(point => point.label !== "EP");
+  const ranked = first ? [...first.points].filter(point => point.label !== "EP").sort((a, b) => rank(a) - rank(b)) : [];
+  const special = ranked[0];
   if (asked && locate(asked)) choose(asked, true);
   else {
     if (asked) get("notes").append(html("li", `There is no point named ${asked}.`));
@@ -241,4 +250,18 @@ function begin() {
   requestAnimationFrame(tick);
 }
 
+// A page that is served looks now and then whether its database has grown, and is loaded anew where it is.
+function watch() {
+  if (!data.watched) return;
+  setInterval(async () => {
+    try {
+      const answer = await fetch("state", { cache: "no-store" });
+      if (!answer.ok || await answer.text() === data.watched || playing) return;
+      const name = document.body.dataset.selected;
+      location.replace(name ? `?point=${encodeURIComponent(name)}` : "?");
+    } catch { /* the server has ended: what is shown stays */ }
+  }, 1000);
+}
+
 begin();
+watch();

@@ -11,7 +11,7 @@ from importlib.resources import files
 SCRIPTS = ("inflate", "data", "axes", "diagram", "panels", "machine", "main")
 
 
-def written(title: str, blocks: Mapping[str, str]) -> str:
+def written(title: str, blocks: Mapping[str, str], connected: bool = False) -> str:
     """The page.
 
     Parameters
@@ -19,11 +19,13 @@ def written(title: str, blocks: Mapping[str, str]) -> str:
     title : str
     blocks : mapping
         Packed data by name; see `packing.packed`.
+    connected : bool
+        Whether it may ask the server that it comes from whether it has changed.
     """
     style, script = _text("page.css"), "\n".join(_text(f"{name}.js") for name in SCRIPTS)
     policy = (
         f"default-src 'none'; style-src '{_hash(style)}'; script-src '{_hash(script)}'; img-src data:; "
-        "base-uri 'none'; form-action 'none'"
+        "base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if connected else "")
     )
     data = "\n".join(
         f'<script type="application/octet-stream" data-block="{escape(name)}">{text}</script>'

@@ -22,11 +22,12 @@ function tell(words) {
   }
 }
 
+const FAR = 3;
+
 class Spectrum {
   constructor(svg) {
     this.svg = svg;
     this.axes = new Axes(svg, () => this.draw());
-    this.axes.margin = { left: 50, right: 10, top: 8, bottom: 36 };
     this.numbers = [];
   }
   show(numbers, orbit) { this.numbers = numbers; this.orbit = orbit; this.draw(); }
@@ -34,7 +35,9 @@ class Spectrum {
     const { axes, numbers, orbit } = this;
     axes.measure();
     axes.inside.replaceChildren();
-    const xs = numbers.map(each => each[0]), ys = numbers.map(each => each[1]);
+    // What is far outside of the unit circle stands at the edge, hollow, and tells its value.
+    const within = orbit ? numbers.map(([x, y]) => Math.min(1, FAR / (Math.hypot(x, y) || 1))) : numbers.map(() => 1);
+    const xs = numbers.map((each, k) => within[k] * each[0]), ys = numbers.map((each, k) => within[k] * each[1]);
     if (orbit) axes.fit([...xs, -1.15, 1.15], [...ys, -1.15, 1.15]);
     else axes.fit([...xs, 0], [...ys, 0, ...(ys.every(y => !y) ? [-1, 1] : ys.map(y => -y))]);
     if (orbit) axes.equal();
@@ -45,19 +48,21 @@ class Spectrum {
       circle.push(orbit ? [Math.cos(turn), Math.sin(turn)] : [0, axes.view.y[k]]);
     }
     element("path", { class: "border", d: circle.map(([x, y], k) => `${k ? "L" : "M"}${axes.px(x).toFixed(1)} ${axes.py(y).toFixed(1)}`).join("") }, axes.inside);
-    for (const [x, y] of numbers) {
-      const out = orbit ? Math.hypot(x, y) > 1 : x > 0;
-      const dot = element("circle", { class: `value${out ? " out" : ""}`, r: 5, cx: axes.px(x), cy: axes.py(y) }, axes.inside);
+    numbers.forEach(([x, y], k) => {
+      const out = orbit ? Math.hypot(x, y) > 1 : x > 0, far = within[k] < 1;
+      const at = { cx: axes.px(xs[k]), cy: axes.py(ys[k]) };
+      const dot = element("circle", { class: `value${out ? " out" : ""}${far ? " far" : ""}`, r: 5, ...at }, axes.inside);
+      if (far) element("text", { class: "tick", x: at.cx, y: at.cy - 10 * axes.scale, "text-anchor": at.cx < axes.width / 3 ? "start" : at.cx > axes.width * 2 / 3 ? "end" : "middle" },
+        axes.inside).textContent = y ? `|μ| = ${Math.hypot(x, y).toPrecision(4)}` : x.toPrecision(4).replace("-", "−");
       element("title", {}, dot).textContent = `${x} ${y < 0 ? "−" : "+"} ${Math.abs(y)}i`;
-    }
+    });
   }
 }
 
 // A curve that is broken where the motion jumps, and a point that moves along it.
 class Curve {
-  constructor(svg, margin) {
+  constructor(svg) {
     this.axes = new Axes(svg, () => this.draw());
-    Object.assign(this.axes.margin, margin);
     this.marks = element("g", { class: "events" }, this.axes.inside);
     this.path = element("path", { class: "orbit" }, this.axes.inside);
     this.jumps = element("path", { class: "jump" }, this.axes.inside);
@@ -84,12 +89,15 @@ class Curve {
     this.path.setAttribute("d", line);
     this.jumps.setAttribute("d", jumps);
     this.marks.replaceChildren();
+    let free = -Infinity;
     const { top } = axes.margin, low = top + axes.inner().height;
     for (const [time, name] of this.events) {
       const x = axes.px(time);
       element("line", { x1: x, x2: x, y1: top, y2: low }, this.marks);
-      const text = element("text", { x: x + 3, y: top + 10 }, this.marks);
-      text.textContent = name.replaceAll("_", " ");
+      const told = name.replaceAll("_", " "), wide = 6.4 * axes.scale * told.length + 8;
+      if (x < free || x + wide > axes.width) continue;
+      free = x + wide;
+      element("text", { x: x + 3, y: top + 11 * axes.scale }, this.marks).textContent = told;
     }
   }
   at(x, y, hand) {

@@ -134,3 +134,22 @@ def test_a_draw_that_fails_is_told(contwalk, study_of, folder):
     assert done.code == 0
     assert "ZeroDivisionError" in done.err
     assert "circle2.py" in done.err
+
+
+def test_a_run_file_is_computed_and_its_page_opened(contwalk, folder, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    done = contwalk("explore", "run.yaml", "-o", "page.html", "--quiet")
+    assert (done.code, done.err) == (0, "")
+    assert opened == [(folder / "page.html").resolve().as_uri()]
+    # What has just been run is run again without being asked.
+    assert "motions b1" in blocks((folder / "page.html").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    "given", [("--watch", "-o", "page.html"), ("--port", "8000"), ("--watch", "--port", "0")]
+)
+def test_options_that_do_not_fit_are_refused(contwalk, folder, given):
+    done = contwalk("explore", "missing.h5", *given)
+    assert done.code == 2
+    assert "Traceback" not in done.err
