@@ -5,6 +5,7 @@
 # make slow   the slow ones: whole studies, killed runs, peers
 # make long   more of these, for which no change waits
 # make runs   every file of runs/ as it is written, with the values that its table tells: an hour
+# make browser pages of the explorer in headless Chromium, where there is one
 # make check  all tests, lint, format, types and import directions
 # make same   six studies beside what the last commit made of them (or REVISION=...): what differs, points, CPU
 # make noise  the six studies with noise in the last bits, by two seeds: nothing may differ but digits within errors
@@ -23,7 +24,7 @@ BASE ?= main
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo quick near test slow long runs check same noise trial bench docs static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo quick near test slow long runs browser check same noise trial bench docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -55,14 +56,14 @@ PYTEST = env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest --numprocesses a
 
 # In one process, which is ready before several would be; names of tests may have blanks.
 quick: install-test
-	sed '/^#/d' tests/quick.txt | tr '\n' '\0' | xargs -0 env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -m "not slow" $(TEST_OPTIONS)
+	sed '/^#/d' tests/quick.txt | tr '\n' '\0' | xargs -0 env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -m "not slow and not browser" $(TEST_OPTIONS)
 
 # All of them: none waits for its turn.
 near: install-test
-	@near=$$($(BIN)/python -m tools.near --base $(BASE)) && if [ -n "$$near" ]; then CONTWALK_TEST_DRAW=all $(PYTEST) -m "not slow" $(TEST_OPTIONS) $$near; fi
+	@near=$$($(BIN)/python -m tools.near --base $(BASE)) && if [ -n "$$near" ]; then CONTWALK_TEST_DRAW=all $(PYTEST) -m "not slow and not browser" $(TEST_OPTIONS) $$near; fi
 
 test: install-test
-	$(PYTEST) -m "not slow" $(TEST_OPTIONS)
+	$(PYTEST) -m "not slow and not browser" $(TEST_OPTIONS)
 
 slow: install-test
 	$(PYTEST) -m "slow and not long and not runs" $(TEST_OPTIONS)
@@ -73,6 +74,12 @@ long: install-test
 # One after the other, in one folder: some begin where others end. TEST_OPTIONS='-k planar' runs a part.
 runs: install-test
 	$(BIN)/python -m pytest -m runs $(TEST_OPTIONS) tests/thesis/test_every_run_file.py
+
+# Where there is no Chromium, that is said and nothing is run; the tests themselves fail without it.
+browser: install-test
+	@if command -v chromium || command -v chromium-browser || command -v google-chrome; then \
+	    sh tools/install.sh $(VENV) browser && $(BIN)/python -m pytest -m browser $(TEST_OPTIONS) tests/explorer; \
+	else echo "The tests in a browser were not run: there is no Chromium (apt-get install chromium)."; fi
 
 # -- what a contributor types --------------------------------------------------------------------------------
 
