@@ -166,10 +166,11 @@ class Diagram {
   click(event) {
     if (this.axes.dragged()) return;
     const own = event.target.closest("[data-point],[data-row]");
-    if (own) { this.choose(own.dataset.point || own.dataset.row); return; }
     const box = this.svg.getBoundingClientRect();
-    const found = this.nearest(event.clientX - box.left, event.clientY - box.top, 22);
+    // Where dots lie over one another, a pointer means the one whose middle is nearest.
+    const found = event.detail ? this.nearest(event.clientX - box.left, event.clientY - box.top, 22) : null;
     if (found) { this.choose(found.name); return; }
+    if (own) { this.choose(own.dataset.point || own.dataset.row); return; }
     const line = event.target.closest("[data-branch]");
     if (line) this.choose(line.dataset.branch);
   }
