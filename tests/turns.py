@@ -1,9 +1,9 @@
-"""Costly tests take turns: of each four that cost about the same, a run tries one, and four runs try all.
+"""Costly tests take turns: of each five that cost about the same, a run tries one, and five runs try all.
 
 `turns.txt` names them, slow ones first, the most costly of each first; `tools/durations.py` writes it. Draw 1
-tries the first, fifth, ninth, draw 2 the second, sixth, tenth, and so on; `CONTWALK_TEST_DRAW=all` tries
-all of them. What waits is marked `long`. `.ci/run` draws by the number of commits, so that each is tried at
-every fourth one; what stands in `quick.txt` never waits.
+tries the first, sixth, eleventh, draw 2 the second, seventh, twelfth, and so on; `CONTWALK_TEST_DRAW=all`
+tries all. What waits is marked `long`. `.ci/run` draws by the number of commits, so that each is tried at
+every fifth one; what stands in `quick.txt` never waits.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import pytest
 HERE = Path(__file__).parent
 EVERYTHING = "all"
 # So many runs try all of them.
-DRAWS = 4
+DRAWS = 5
 
 
 def listed(path: Path) -> list[str]:
@@ -32,7 +32,7 @@ def table() -> dict[str, int]:
 
 
 def turn_of(seed: str) -> int | None:
-    """Which of four is tried, from 0 on; None where all are."""
+    """Which of five is tried, from 0 on; None where all are."""
     if seed == EVERYTHING:
         return None
     return (int(seed) if seed.isdigit() else zlib.crc32(seed.encode())) % DRAWS
