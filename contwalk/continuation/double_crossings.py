@@ -74,13 +74,10 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     belongs to a point where several eigenvalues vanish, some passing up and as many down.
     """
     ends: list[Placed] = [(0.0, segment.a), *[(f.theta, f.sample) for f in branch_points], (1.0, segment.b)]
-    knots: list[float] = [0.0, 1.0]
-    touching: list[Found] = []
-    for low, high, measure in _measures_between(segment, ends, knots):
-        found = extremum(measure, low, high)
-        if found is None or any(abs(found[0] - f.theta) < 1e-3 for f in touching):
+    knots, touching = [0.0, 1.0], list[Found]()
+    for measure, theta, passes in _extrema(segment, ends, knots):
+        if any(abs(theta - f.theta) < 1e-3 for f in touching):
             continue  # both of a pair have one extremum
-        theta, passes = found
         touches = not passes and _touches(segment, measure.which, theta)
         together = locate_multiple(segment, theta) if touches else None
         pair = [together] if together is not None else decided(measure, theta)
@@ -93,19 +90,25 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     return sorted(set(knots)), touching
 
 
-def _measures_between(
+def _extrema(
     segment: Segment, ends: list[Placed], knots: list[float]
-) -> Iterator[tuple[Placed, Placed, Measure]]:
-    """Solutions between which a measure may have an extremum beyond zero; `knots` gets peaks.
+) -> Iterator[tuple[Measure, float, bool]]:
+    """Measures, where they come nearest to zero, and whether they are beyond it there; `knots` gets peaks.
 
     Where two eigenvalues meet, their measures are smooth from there on: what is looked at there is as well.
+    What is not known from zero there is nearest to it as far as can be told.
     """
     for begin, end in pairwise(ends):
         known = set(segment.places)
         knots += peaks(segment, begin, end)
         inside = [(theta, segment.at(theta)) for theta in segment.places if theta not in known]
-        for low, high in pairwise((begin, *(there for there in inside if not there[1].undecided), end)):
-            yield from ((low, high, Measure(segment, which)) for which in _same_side(low[1], high[1]))
+        for theta, there in inside:
+            for which in _same_side(begin[1], end[1], there):
+                yield Measure(segment, which), theta, False
+        for low, high in pairwise((begin, *(place for place in inside if not place[1].undecided), end)):
+            for measure in (Measure(segment, which) for which in _same_side(low[1], high[1])):
+                if (found := extremum(measure, low, high)) is not None:
+                    yield measure, *found
 
 
 def _between_one_and_minus_one(segment: Segment) -> float | None:
@@ -168,17 +171,21 @@ def _beyond_one(sample: Sample) -> int:
 
 def _touches(segment: Segment, which: int, theta: float) -> bool:
     """Whether a real eigenvalue is zero at its extremum, against what it is at the ends."""
-    sample = segment.at(theta)
-    ends = min(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
-    return sample.eigenvalues[which].imag == 0.0 and abs(sample.measures[which]) < 1e-5 * ends
+    at, *ends = (abs(sample.measures[which]) for sample in (segment.at(theta), segment.a, segment.b))
+    return segment.at(theta).eigenvalues[which].imag == 0.0 and bool(at < 1e-5 * min(ends))
 
 
-def _same_side(a: Sample, b: Sample) -> Iterator[int]:
-    """Measures that are known to have the same sign at both ends, and may turn between."""
+def _same_side(a: Sample, b: Sample, between: Sample | None = None) -> Iterator[int]:
+    """Measures that are known to have the same sign at both ends, and may turn between.
+
+    With a solution between: those that are not known from zero there.
+    """
     ma, mb = a.measures, b.measures
     certain = (np.abs(ma) > a.errors) & (np.abs(mb) > b.errors)
     suspects = certain & (np.sign(ma) == np.sign(mb))
-    if a.rates.values is not None and b.rates.values is not None:
+    if between is not None:
+        suspects &= np.abs(between.measures) <= between.errors
+    elif a.rates.values is not None and b.rates.values is not None:
         suspects &= (a.rates.values * ma < 0.0) & (b.rates.values * mb > 0.0)
     for which in np.flatnonzero(suspects).tolist():
         ends = a.eigenvalues[which], b.eigenvalues[which]

@@ -6,12 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from contwalk.continuation.folds import NO_SHARE
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.linear import Factored, critical_pair, deficiency, solution_plane
 from contwalk.problems.problem import Sample
-
-# The parameter stands still where the tangent has no larger share of it than this, in the metric.
-STILL = 1e-9
 
 
 def singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], float]:
@@ -22,10 +20,6 @@ def singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], fl
     """
     size = len(segment.chord)
 
-    def matrix(sample: Sample) -> np.ndarray:
-        jacobian = segment.problem.linearize(sample.z).jacobian
-        return np.vstack([jacobian, sample.tangent / sample.weights**2])
-
     nearer, critical, plane = _nearer(segment, p, q)
     basis, _ = np.linalg.qr(plane / segment.weights[:, None])
     own = nearer.tangent / segment.weights
@@ -35,7 +29,8 @@ def singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], fl
 
     def value(sample: Sample) -> float:
         bordered = np.zeros((size + 1, size + 1))
-        bordered[:size, :size] = matrix(sample)
+        bordered[: size - 1, :size] = segment.problem.linearize(sample.z).jacobian
+        bordered[size - 1, :size] = sample.tangent / sample.weights**2
         bordered[:size, size] = left
         bordered[size, :size] = right
         try:
@@ -54,7 +49,7 @@ def _nearer(segment: Segment, p: Sample, q: Sample) -> tuple[Sample, np.ndarray,
     DF's.
     """
     jacobians = [segment.problem.jacobian(sample.z) for sample in (p, q)]
-    if all(abs(float(sample.tangent[-1])) <= STILL * float(sample.weights[-1]) for sample in (p, q)):
+    if max(abs(p.share), abs(q.share)) <= NO_SHARE:
         found = [deficiency(jacobian, segment.weights) for jacobian in jacobians]
         nearer = int(found[1].value < found[0].value)
         return (p, q)[nearer], found[nearer].left, found[nearer].plane
