@@ -191,15 +191,23 @@ def _homoclinic(system: System, branch: Branch, end: SpecialPoint) -> tuple[str,
     if rest is None or np.linalg.norm(rest[0] - slow) > NEARER * size:
         _comes_back(equations, at)
         return DISAGREES, "the orbit is beside no equilibrium"
-    if not float(speeds.min()) < NEARER * float(np.mean(speeds)):
+    if float(speeds.min()) < NEARER * float(np.mean(speeds)):
+        return AGREES, ""
+    # One that is slow all along is no slower there: its period runs off all the same.
+    near = branch.points[end.index : end.index + 2] if end.index == 0 else branch.points[end.index - 1 :]
+    longer = abs(float(np.diff(near["period"])[0])) / float(period.max())
+    moved = float(np.linalg.norm(np.diff(near["free"], axis=0) / _sizes_of_free(branch, end.index)))
+    if moved < NEARER * longer:
         raise CannotTell("the orbit passes an equilibrium, beside which it is not slow yet")
-    return AGREES, ""
+    return DISAGREES, "the orbit does not slow down"
 
 
 def _shrunk(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str]:
     """The orbit is small, and turns as fast as the equilibrium inside it swings."""
     equations = equations_of(system, branch, end.index)
     assert isinstance(equations, OrbitEquations)
+    if equations.forced:
+        return DISAGREES, "a force goes on: no orbit under it ends in a Hopf point"
     at = equations.at(equations.z, COARSER * TIGHT)
     states = np.vstack([piece.states for piece in at.legs[0].pieces])
     p, mode = equations.functions.parameters.at(equations.free), equations.legs[0][0]
