@@ -157,7 +157,7 @@ def _lost(
     size = len(failure.first) - len(stored)
     allowed = SLACK * (errors + failure.noise[size:])
     away = float(np.max(np.abs(failure.first[size:]) / np.maximum(allowed, np.spacing(np.abs(stored)))))
-    if away > 1.0 and point.label not in ON:  # differences have noise, in which Newton's method may stop
+    if away > 1.0:
         return replace(begun, verdict=DISAGREES, reason="what defines it has no solution near it")
     return replace(begun, reason=str(failure))
 
