@@ -65,6 +65,8 @@ def command(
 ) -> None:
     """Play the orbit of a stored point of the database DB, as the system draws its machine.
 
+    Where it draws none, a point moves along the phase portrait, with its time series below.
+
     The point is one of a branch of periodic orbits, named as b1/PD1, or by its number along the branch as
     b1/12. Frames are evenly spaced in time; the camera follows a machine that gets somewhere. MP4 needs the
     program ffmpeg.

@@ -23,6 +23,7 @@ from contwalk.files.drafts import drafted
 from contwalk.plotting.film_page import PageWriter
 from contwalk.plotting.machine import scenery
 from contwalk.plotting.playback import Playback
+from contwalk.plotting.portrait_film import PortraitFilm
 from contwalk.plotting.style import GREY, INK, PALETTE
 from contwalk.system import System
 
@@ -64,7 +65,7 @@ def save_animation(
     """Write a motion of a machine as an animation, by the suffix of `path`: GIF, MP4 (by ffmpeg) or HTML.
 
     Frames are evenly spaced in time. The plugin's `draw` sets the limits of each: the camera follows a
-    machine that gets somewhere.
+    machine that gets somewhere. Without a `draw`, a point moves along the phase portrait.
 
     Parameters
     ----------
@@ -98,8 +99,8 @@ def save_animation(
     Raises
     ------
     ContwalkError
-        For another suffix, a missing ffmpeg, too many frames, a path that cannot be written, a system
-        without `draw`, or what does not fit it.
+        For another suffix, a missing ffmpeg, too many frames, a path that cannot be written, or what does
+        not fit the system.
     PluginError
         If `draw` raises.
     """
@@ -110,7 +111,12 @@ def save_animation(
     number = frames_of(motion.end - motion.begin, fps, slow)
     instants = motion.begin + (motion.end - motion.begin) * np.arange(number) / number
     second = None if beside is None else Playback(system, times, beside, parameters)
-    film = _Film(motion, events, slow, title, second, caption)
+    film: _Film | PortraitFilm
+    if system.draw is None:
+        look: dict[str, Any] = {"size": SIZE, "dpi": DPI, "beside": second}
+        film = PortraitFilm(motion, events, title, _below(caption, slow), **look)
+    else:
+        film = _Film(motion, events, slow, title, second, caption)
     try:
         with drafted(target, lambda name: name.open("xb")) as draft:
             draft.file.close()
@@ -129,8 +135,14 @@ def save_animation(
     return number
 
 
+def _below(caption: str, slow: float) -> str:
+    """What is said below the title: of what is displaced, and how fast it plays."""
+    speed = f"1/{slow:g} of its speed" if slow > 1.0 else f"{1.0 / slow:g} times its speed"
+    return "\n".join([*([caption] if caption else []), *([speed] if slow != 1.0 else [])])
+
+
 def _write(
-    film: _Film,
+    film: _Film | PortraitFilm,
     writer: AbstractMovieWriter,
     path: Path,
     instants: np.ndarray,
@@ -170,9 +182,8 @@ class _Film:
         self.figure.text(0.02, 0.975, title, fontsize=10, color=INK, va="top")
         self.said = self.figure.text(0.98, 0.925, "", fontsize=11, va="top", ha="right", weight="bold")
         self.linger = LINGER / slow
-        speed = f"1/{slow:g} of its speed" if slow > 1.0 else f"{1.0 / slow:g} times its speed"
-        below = [*([caption] if caption else []), *([speed] if slow != 1.0 else [])]
-        self.figure.text(0.02, 0.935, "\n".join(below), fontsize=9, color=GREY, va="top", linespacing=1.4)
+        below = _below(caption, slow)
+        self.figure.text(0.02, 0.935, below, fontsize=9, color=GREY, va="top", linespacing=1.4)
         names = dict.fromkeys(name for _, name in self.events)
         self.colors = {name: EVENTS[number % len(EVENTS)] for number, name in enumerate(names)}
         self.clock = clock

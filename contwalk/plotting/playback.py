@@ -30,7 +30,7 @@ class Playback:
     Raises
     ------
     ContwalkError
-        If the system has no `draw`, or times, states or parameters do not fit it.
+        If times, states or parameters do not fit the system.
     """
 
     def __init__(
@@ -40,7 +40,6 @@ class Playback:
         states: Sequence[Sequence[float]] | np.ndarray,
         parameters: Mapping[str, float],
     ) -> None:
-        require_draw(system)
         self.system = system
         self.times = np.asarray(times, dtype=float)
         self.states = np.asarray(states, dtype=float)
@@ -84,9 +83,10 @@ class Playback:
 
         Raises
         ------
-        PluginError
-            If the plugin's `draw` raises.
+        ContwalkError
+            If the system has no `draw`; a `PluginError` if it raises.
         """
+        require_draw(self.system)
         there = set(ax.get_children())
         ax.set_prop_cycle(None)  # the same colours at each instant
         times, states = self.until(time)

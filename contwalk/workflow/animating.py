@@ -78,19 +78,17 @@ def animate(
     Raises
     ------
     ContwalkError
-        Before anything is written, for a point that is no orbit, a system without `draw`, a suffix that is
-        not known or cannot be written here, a file that exists, more frames than one file should have, and
-        a mode that the orbit does not have.
+        Before anything is written, for a point that is no orbit, a suffix that is not known or cannot be
+        written here, a file that exists, more frames than one file should have, and a mode that the orbit
+        does not have.
     """
     from contwalk.plotting.animation import checked_suffix, frames_of, played_fps, save_animation
-    from contwalk.plotting.machine import require_draw
     from contwalk.workflow.stored.orbit_modes import displaced_along
     from contwalk.workflow.stored.orbit_motions import motion_along
     from contwalk.workflow.stored.orbits import orbit_at, titled
 
     suffix = checked_suffix(path)
     refuse_existing([path], force)
-    require_draw(system)
     orbit = orbit_at(system, branch, point)
     rate = played_fps(suffix, fps)
     frames_of(periods * orbit.period, rate, slow)

@@ -176,13 +176,16 @@ def test_without_ffmpeg_there_is_a_remedy(contwalk, circle, monkeypatch):
 
 def test_a_system_without_draw(contwalk, wheel_alone, folder):
     (folder / "wheel.py").write_text(WHEEL.replace(", draw=draw", ""), encoding="utf-8")
-    for command in (
-        ("animate", "--trust", wheel_alone, "b1/0", "-o", "a.gif"),
-        ("plot", "--trust", wheel_alone, "--kind", "stick_figure", "-o", "a.png"),
-    ):
-        done = contwalk(*command)
-        assert done.code == 2
-        assert "System 'wheel' cannot be drawn: it declares no draw. Give the plugin a function" in done.err
+    done = contwalk("plot", "--trust", wheel_alone, "--kind", "stick_figure", "-o", "a.png")
+    assert done.code == 2
+    assert "System 'wheel' cannot be drawn: it declares no draw. Give the plugin a function" in done.err
+    # Its motion can be played all the same, the displaced one beside it as well.
+    for options, number in ((("--periods", "2"), 8), (("--mode", "1"), 4)):
+        done = contwalk(
+            "animate", "--trust", wheel_alone, "b1/0", "-o", "a.gif", "--fps", "5", "--force", *options
+        )
+        assert done.code == 0
+        assert frames(folder / "a.gif") == number
 
 
 def test_stick_figures_of_one_point_or_the_start(contwalk, wheel, folder):
