@@ -8,6 +8,7 @@ from invariants import check_branch
 from small_systems import bifurcations, small_problem
 
 import contwalk as cw
+from contwalk.problems.equilibrium.second_direction import tangent_through
 
 
 def crossing(t, x, p, dx):
@@ -95,3 +96,20 @@ def test_an_isolated_point_of_equilibria_has_no_branches():
     check_branch(branch, problem)
     with pytest.raises(cw.ContwalkError, match="No other branch leaves LP1"):
         cw.switch_branch(problem, branch, "LP1", (-1.0, 1.0))
+
+
+def meeting_at_zero(t, x, p, dx):
+    """At rest det F_u = 0.63 mu (0.74 - mu) - 0.6528 mu, which is zero at mu = 0 and mu = -0.1866 / 0.63."""
+    dx[0] = (p.mu - 0.74) * x[0] + 0.51 * x[1] - 0.1386 * x[0] * x[1] - 0.6 * x[0] ** 3
+    dx[1] = p.mu * (1.28 * x[0] - 0.63 * x[1]) - 0.93 * x[0] * x[1] ** 2 - 0.66 * x[1] ** 2 - 1.11 * x[1] ** 3
+
+
+def test_the_tangent_at_zero_is_that_of_zero_to_a_rounding():
+    """Where a located point is 1e-50 beside zero, a row of F_u is as small, and is none."""
+    problem, weights = small_problem(meeting_at_zero, "xy", {"mu": 0.0}, "mu"), np.array([0.04, 0.08, 0.03])
+    # With x = 0.51 y / 0.74 the second equation is mu (0.6528 / 0.74 - 0.63) y = 0.66 y^2.
+    y = (0.6528 / 0.74 - 0.63) / 0.66
+    known = np.array([0.51 / 0.74 * y, y, 1.0])
+    for z in (np.zeros(3), np.array([1e-50, 1e-50, 1.7e-49])):
+        tangent = tangent_through(problem, z, weights, known + 0.01)
+        assert tangent / tangent[2] == pytest.approx(known, rel=1e-12)

@@ -7,7 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.numerics.linear import Factored, bordered_by, critical_pair, deficiency, solution_plane, unit_in
+from contwalk.numerics.linear import (
+    EPSILON,
+    Factored,
+    bordered_by,
+    critical_pair,
+    deficiency,
+    solution_plane,
+    unit_in,
+)
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Seed
 
@@ -113,8 +121,9 @@ def tangent_through(
     """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way.
 
     All vectors have the shape (N + 1,). None where there are no two, or `near` is at a right angle to both.
+    What of z is less than a rounding of its weight is none: a row of F_u that is made of it is zero.
     """
-    found = directions(problem, z, weights)
+    found = directions(problem, np.where(np.abs(z) > EPSILON * weights, z, 0.0), weights)
     if not found:
         return None
     products = [float((t / weights) @ (near / weights)) for t in found]
