@@ -121,21 +121,25 @@ def _in_three_parts(segment: Segment, hidden: Disagreement, theta: float) -> lis
 
 
 def _check_apart(segment: Segment, found: list[Found]) -> None:
-    """Refuse one fold that two tests have found: what one of them sees lies elsewhere, and is lost.
+    """Refuse one point that two tests have found: what one of them sees lies elsewhere, and is lost.
 
-    Of other kinds two may lie at one place, as where two pairs of eigenvalues pass at once.
+    Folds are told apart by a part of the segment, branch points by what they are known to: one lies in two
+    brackets beside each other within that. Of other kinds two may lie at one place, as where two pairs of
+    eigenvalues pass at once.
 
     Raises
     ------
     Disagreement
     """
     for one, other in pairwise(found):
-        folds = one.type.label == other.type.label and Test.TURN in (one.type.test, other.type.test)
-        if not folds or (one.counted and other.counted):
+        tests = one.type.test, other.type.test
+        if one.type.label != other.type.label or (one.counted and other.counted):
             continue
-        apart = float(np.linalg.norm((one.located.z - other.located.z) / segment.weights))
-        if apart < DISTINCT * segment.length:
-            raise Disagreement(other.type, f"What two tests see is one point {other.label}.")
+        apart = one.located.z - other.located.z
+        again = tests == 2 * (Test.ORIENTATION,) and abs(apart[-1]) <= one.located.error + other.located.error
+        near = SAME_POINT if again else DISTINCT * segment.length if Test.TURN in tests else 0.0
+        if np.linalg.norm(apart / segment.weights) < near:
+            raise Disagreement(other.type, f"What two tests see is one point {other.type.label}.")
 
 
 def at_the_end(segment: Segment) -> list[Found]:
@@ -228,9 +232,8 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
 
 def _together(segment: Segment, low: float, high: float) -> list[Found]:
     """The point at which an odd number of eigenvalues pass zero at once, if there is one."""
-    if not kinds_of_test(segment.problem, Test.TOGETHER):
-        return []
-    found = _measure_crossings(segment, low, high, [])
+    together = kinds_of_test(segment.problem, Test.TOGETHER)
+    found = _measure_crossings(segment, low, high, []) if together else []
     return [point for point in found if point.located.multiplicity > 1]
 
 
@@ -320,10 +323,8 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
 
 def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found | None:
     """The point at which several real eigenvalues pass zero together, unseen by the orientation if even."""
-    thetas = [theta for theta, _ in crossings]
-    if len(crossings) > 1 and max(thetas) - min(thetas) < 10.0 * NEAR_REAL:
-        return locate_multiple(segment, thetas[0])
-    return None
+    near = len(crossings) > 1 and np.ptp([theta for theta, _ in crossings]) < 10.0 * NEAR_REAL
+    return locate_multiple(segment, crossings[0][0]) if near else None
 
 
 def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> Found | float:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import takewhile
 from typing import ClassVar, Self
 
 import numpy as np
@@ -199,16 +200,20 @@ def _on_finest_steps(own: Indicator, theta: float) -> list[Found] | None:
     """What an extremum is on the finest steps."""
     segment, sample = own.segment, own.segment.at(theta)
     ends = max(abs(own.value(end)) for end in (segment.a, segment.b))
-    if abs(own.value(sample)) > max(CLOSE * ends, own.doubt(sample)):
+    # Of a solution that is off it is off by what it changes by over that length of the branch.
+    off = own.doubt(sample) + min(sample.error / segment.length, 1.0) * ends
+    if abs(own.value(sample)) > max(CLOSE * ends, off):
         return None
-    for aside in NEIGHBOURHOOD * 4.0 ** np.arange(4):  # as long as it is beyond zero on these
+    way, outside = np.sign(own.value(segment.a)), -np.inf
+    for aside in NEIGHBOURHOOD * 4.0 ** np.arange(4):  # up to where it is known to be outside on these
         finer = on_finest_steps(segment, sample, own.kind(sample), around(theta, aside))
         if finer is None:
             return None
         fine, part = own.on(finer.part), finer.part
-        if all(fine.value(end) * own.value(segment.a) >= 0.0 for end in (part.a, part.b)):
+        outside = min(way * fine.value(end) for end in (part.a, part.b))
+        if outside > FINER * abs(own.value(sample)) or (outside >= 0.0 and own.flat(part.a)):
             break
-    else:
+    if outside < 0.0 or finer is None:
         return None
     middle, passes = extremum(fine, (0.0, part.a), (1.0, part.b)) or (0.5, False)
     there = part.at(middle)
@@ -225,8 +230,7 @@ def _pair(own: Indicator, finer: Subsegment, middle: float) -> list[Found]:
     outside, inside = own.segment.a.unstable, own.beyond()
     found = []
     for low, high, counts in ((0.0, middle, (outside, inside)), (middle, 1.0, (inside, outside))):
-        point = own.crossing(low, high)
-        if point is None:
+        if (point := own.crossing(low, high)) is None:
             raise Disagreement(own.kind(own.segment.at(middle)), "Of two near crossings one is lost.")
         found.append(replace(finer.placed(point), before=counts[0], after=counts[1], counted=True))
     return found
@@ -280,12 +284,11 @@ def _places(own: Indicator, theta: float, level: float) -> list[Placed]:
     return []
 
 
-def _beside(segment: Segment, theta: float) -> Iterator[tuple[Sample, Sample]]:
-    """Solutions on both sides of a place, farther and farther away."""
-    apart = np.sqrt(EPSILON)
-    while apart < min(theta, 1.0 - theta):
-        yield segment.at(theta - apart), segment.at(theta + apart)
-        apart *= 2.0
+def _beside(segment: Segment, theta: float, way: int = 1) -> Iterator[tuple[Sample, Sample]]:
+    """Solutions on both sides of a place within the segment, each twice as far as the last; -1: inwards."""
+    farthest = min(theta, 1.0 - theta) / np.sqrt(EPSILON)
+    apart = np.sqrt(EPSILON) * 2.0 ** np.arange(np.ceil(np.log2(max(farthest, 1.0))))[::way]
+    yield from ((segment.at(theta - each), segment.at(theta + each)) for each in apart.tolist())
 
 
 def undecided(own: Indicator, theta: float, error: float) -> Found:
@@ -295,8 +298,9 @@ def undecided(own: Indicator, theta: float, error: float) -> Found:
     def known(sample: Sample) -> bool:
         return abs(own.value(sample)) > error
 
-    ends = segment.a, segment.b
-    sides = next((sides for sides in _beside(segment, theta) if all(map(known, sides))), ends)
+    # From outside inwards: right beside the place a solution may be another branch's.
+    beside = takewhile(lambda each: all(map(known, each)), _beside(segment, theta, -1))
+    sides = [(segment.a, segment.b), *beside][-1]
     first, last = sorted(side.parameter for side in sides)
     note, count, there = DOUBTFUL.format(first, last), segment.a.unstable, segment.at(theta)
     point = unlocated(theta, own.kind(there), there, last - first, note, count, count)
