@@ -98,8 +98,8 @@ SYSTEM = System("hunted", states=(State("x"), State("y")), parameters=(Parameter
 def troubles(folder, source: str) -> list[Finding]:
     (folder / "machine.py").write_text(source)
     every = check_reference("./machine.py", folder)
-    told = ("state '", "parameter '", "system '")  # units and meanings that are not given
-    return [f for f in every if f.level != "ok" and not f.what.startswith(told)]
+    told = ("No unit is given", "No meaning is given", "It has no reference")
+    return [f for f in every if f.level != "ok" and not f.sentence.startswith(told)]
 
 
 @pytest.mark.parametrize("source", [CONVERTER, TANKS, HUNTED])
