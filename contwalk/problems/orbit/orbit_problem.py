@@ -50,7 +50,6 @@ from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
-from contwalk.problems.unbounded import KNOWN
 
 
 class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
@@ -117,8 +116,8 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         found = monodromy.doubted(sharp, self.multipliers(z, jacobian), trivial, sharply)
         errors = equations.errors(self, linearization)
         orientation, error = linearization.orientation_and_error(unit, weights, errors)
-        if self._stands_still(unit / weights**2, weights, linearization, errors, error):
-            found = found.standing(trivial)
+        share, value = float(unit[-1] / weights[-1]), float(z[-1] / weights[-1])
+        found = found.beside(share, value, *np.nan_to_num([error, trivial], posinf=0.0))
         met = kinks_along(self, z) if known is None else known.kinks
         refuse(met)
         # The flow's own multiplier is one exactly: what it misses by, the others may.
@@ -149,20 +148,6 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
             reported=self.reported(z) if known is None else known.reported,
             **told,
         )
-
-    def _stands_still(
-        self, row: np.ndarray, weights: np.ndarray, equations: Linearization, errors: np.ndarray, error: float
-    ) -> bool:
-        """Whether the parameter's share of the unit tangent is nothing but errors of the equations.
-
-        These, of shape (N,), change along a branch as its orbits do: over the size of one by what they are.
-        `error` is what they do to the solution. The tangent's row of the bordered system and the weights have
-        the shape (N + 1,).
-        """
-        states = slice(self.layout.durations.start)  # those at the starts of legs
-        size = np.fmax.reduce(equations.magnitudes[states] / weights[states], initial=0.0)
-        share = abs(float(row[-1] * weights[-1])) * min(float(size), 1.0) / KNOWN
-        return share <= error and share * weights[-1] <= equations.parameter_error(row, weights, errors)
 
     @abstractmethod
     def _watched(
