@@ -191,6 +191,10 @@ class Branch:
         tangent = self.points["tangent"][row][: len(self.unknowns(row))]
         return np.asarray(tangent[[-1, -2]])
 
+    def parameters_at(self, row: int) -> dict[str, float]:
+        """Values of all parameters at a point, by its number: those that are free as they are there."""
+        return {**self.info.parameters, **dict(zip(self.info.free, self.points["free"][row], strict=True))}
+
     def names(self) -> tuple[str, ...]:
         """Names that `branch[name]` understands besides those of `columns()`."""
         return (*self.info.free, *self.info.observables, *self.info.states)

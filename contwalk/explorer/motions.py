@@ -222,9 +222,7 @@ def _instants(found: Sampled) -> list[list[float]]:
 def _parameters(system: System, branch: Branch, row: int) -> dict[str, float]:
     """Those of the system, at a row."""
     names = system.parameter_names
-    found = {name: float(value) for name, value in branch.info.parameters.items() if name in names}
-    free = zip(branch.info.free, branch.points["free"][row], strict=True)
-    return {**found, **{name: float(value) for name, value in free if name in names}}
+    return {name: float(value) for name, value in branch.parameters_at(row).items() if name in names}
 
 
 def _nine(value: float) -> float:

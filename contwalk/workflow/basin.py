@@ -93,10 +93,7 @@ def _stands_there(branch: Any, place: SpecialPoint | int, values: dict[str, floa
         return False
     if isinstance(place, int):
         unstable = int(branch["unstable"][place]) > 0
-        own = {
-            **branch.info.parameters,
-            **dict(zip(branch.info.free, branch.points["free"][place], strict=True)),
-        }
+        own = branch.parameters_at(place)
     else:
         unstable = bool(place.unstable_before or place.unstable_after)
         own = dict(place.parameters)

@@ -82,10 +82,9 @@ def row_words(
     facts = _of_orbit(branch, period, known, units) if period > 0.0 else []
     can = admissible_line(bool(point["admissible"]), branch, hybrid)
     facts = [counted, *can, *signature_line(branch), *facts, *_cost(point)]
-    parameters = {**info.parameters, **dict(zip(info.free, point["free"], strict=True))}
     tables = [
         *segment_tables(hybrid, with_unit("period", units)),
-        *_values("parameter", parameters.items(), units),
+        *_values("parameter", branch.parameters_at(row).items(), units),
         *_values("state", zip(info.states, point["state"], strict=True), units),
         *_ranges(branch, row, units),
     ]

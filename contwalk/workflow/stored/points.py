@@ -52,7 +52,7 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
         if isinstance(place, int):
             row = branch.points[place]
             state, period, unknowns = np.array(row["state"]), float(row["period"]), branch.unknowns(place)
-            stored = {**branch.info.parameters, **dict(zip(branch.info.free, row["free"], strict=True))}
+            stored = branch.parameters_at(place)
         else:
             state = np.array([place.state[name] for name in system.state_names])
             period, unknowns = float(place.period or np.nan), np.array(place.unknowns)
