@@ -23,6 +23,11 @@ def with_unit(name: str, units: Mapping[str, str]) -> str:
     return "" if unit in ("", "1") else unit
 
 
+def in_brackets(unit: str) -> str:
+    """A unit behind a name: ` (m)`; empty where it is none."""
+    return "" if unit in ("", "1") else f" ({unit})"
+
+
 def choices(model: Mapping[str, Any]) -> str:
     """Model choices: `masses=2, suspension=isotropic`."""
     return ", ".join(f"{name}={value}" for name, value in model.items())

@@ -11,7 +11,7 @@ from contwalk import quantities
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.explorer.packing import short
 from contwalk.labels import EVERY_MEANING, LOCUS
-from contwalk.number_words import exact, with_unit
+from contwalk.number_words import exact, in_brackets, with_unit
 from contwalk.plotting.orbit_values import default_y, drawn_by
 from contwalk.plotting.quantities import BUILT_IN_OBSERVABLES, candidates_for_y, default_x, unit_of
 from contwalk.plotting.segments import runs
@@ -92,8 +92,7 @@ def _label(name: str, units: Mapping[str, str]) -> str:
 
 
 def _unit(name: str, units: Mapping[str, str]) -> str:
-    unit = unit_of(name, units)
-    return "" if unit in ("", "1") else f" ({unit})"
+    return in_brackets(unit_of(name, units))
 
 
 def _branch(branch: Branch, units: Mapping[str, str]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from contwalk.explorer.diagram import diagram_of
 from contwalk.explorer.motions import branch_part
 from contwalk.explorer.packing import packed
 from contwalk.explorer.page import written
-from contwalk.number_words import choices
+from contwalk.number_words import choices, in_brackets
 from contwalk.plotting.quantities import units_of
 from contwalk.printable import printable
 from contwalk.storage import FileDatabase, open_database
@@ -108,7 +108,7 @@ def explored(
         "error": max((part.error for part in parts.values()), default=0.0),
         "states": list(branches[0].info.states) if branches else [],
         "watched": watched,
-        "time": f"time ({time})" if (time := units.get("period", "")) not in ("", "1") else "time",
+        "time": f"time{in_brackets(units.get('period', ''))}",
         "command": _command(header.provenance, database.path),
         "draws": system is not None and system.draw is not None,
     }

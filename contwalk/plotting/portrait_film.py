@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from contwalk.number_words import in_brackets
 from contwalk.plotting.playback import Playback
 from contwalk.plotting.style import GREY, INK, PALETTE, dress
 from contwalk.system import System
@@ -53,8 +54,7 @@ class PortraitFilm:
         self.shown = (0, min(1, len(names) - 1))
         portrait, series = self.figure.add_axes(PORTRAIT), self.figure.add_axes(SERIES)
         dress(portrait, *(_named(motion.system, names[k]) for k in self.shown))
-        time = motion.system.time_unit
-        dress(series, f"time ({time})" if time not in ("", "1") else "time", _named(motion.system, names[0]))
+        dress(series, f"time{in_brackets(motion.system.time_unit)}", _named(motion.system, names[0]))
         self.figure.text(0.02, 0.975, title, fontsize=10, color=INK, va="top")
         self.figure.text(0.02, 0.935, below, fontsize=9, color=GREY, va="top", linespacing=1.4)
         for each, alpha in ((motion, 1.0), (beside, 0.35)):
@@ -101,5 +101,4 @@ class PortraitFilm:
 
 def _named(system: System, name: str) -> str:
     """A state with its unit."""
-    unit = next(state.unit for state in system.states if state.name == name)
-    return name if unit in ("", "1") else f"{name} ({unit})"
+    return name + in_brackets(next(state.unit for state in system.states if state.name == name))
