@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import drawn_circle
 import numpy as np
 import pytest
 from PIL import Image
@@ -39,40 +40,6 @@ diagram: none
 output: wheel.h5
 """
 
-CIRCLE = """\
-from contwalk.system import Mode, Parameter, Start, State, System
-
-
-def field(t, x, p, dx):
-    growth = p.mu - x[0] ** 2 - x[1] ** 2
-    dx[0] = growth * x[0] - x[1]
-    dx[1] = x[0] + growth * x[1]
-
-
-def draw(axes, t, x, p):
-    axes.plot([0.0, x[0]], [0.0, x[1]], gid="arm")
-
-
-SYSTEM = System(
-    name="circle",
-    states=(State("x", "m"), State("y", "m")),
-    parameters=(Parameter("mu", -0.2, "N"),),
-    modes=(Mode("turning", field),),
-    starts=(Start("rest", lambda p: [[0.0, 0.0]]),),
-    draw=draw,
-)
-"""
-
-TURNS = """\
-contwalk: 1
-system: ./circle.py
-start: {equilibrium: rest}
-continue: {parameter: mu, range: [-0.2, 0.3]}
-diagram: {follow: [HB], depth: 1}
-output: circle.h5
-figures: [stick_figure]
-"""
-
 
 @pytest.fixture
 def wheel(kept_study_of):
@@ -89,7 +56,7 @@ def wheel_alone(study_of):
 @pytest.fixture
 def circle(kept_study_of):
     """An equilibrium, and circles of period 2 pi."""
-    return kept_study_of("circle", CIRCLE, TURNS)
+    return kept_study_of("circle", drawn_circle.PLUGIN, drawn_circle.STUDY + "figures: [stick_figure]\n")
 
 
 def frames(path):

@@ -6,46 +6,17 @@ import html
 import json
 import re
 
+import drawn_circle
 import pytest
 from explorer_pages import blocks
 
 import contwalk as cw
 from contwalk.number_words import exact
 
-CIRCLE = """\
-from contwalk.system import Mode, Parameter, Start, State, System
-
-
-def field(t, x, p, dx):
-    growth = p.mu - x[0] ** 2 - x[1] ** 2
-    dx[0] = growth * x[0] - x[1]
-    dx[1] = x[0] + growth * x[1]
-
-
-def draw(axes, t, x, p):
-    axes.plot([0.0, x[0]], [0.0, x[1]], label="<b>arm</b>")
-    axes.text(x[0], x[1], "</script><b>&")
-
-
-SYSTEM = System(
-    name="circle",
-    states=(State("x", "m"), State("y", "m")),
-    parameters=(Parameter("mu", -0.2, "N"),),
-    modes=(Mode("turning", field),),
-    starts=(Start("rest", lambda p: [[0.0, 0.0]]),),
-    draw=draw,
+CIRCLE = drawn_circle.PLUGIN.replace(
+    'gid="arm")', 'label="<b>arm</b>")\n    axes.text(x[0], x[1], "</script><b>&")'
 )
-"""
-
-TURNS = """\
-contwalk: 1
-description: "<script>alert(1)</script>"
-system: ./circle.py
-start: {equilibrium: rest}
-continue: {parameter: mu, range: [-0.2, 0.3]}
-diagram: {follow: [HB], depth: 1}
-output: circle.h5
-"""
+TURNS = drawn_circle.STUDY + 'description: "<script>alert(1)</script>"\n'
 
 
 @pytest.fixture
