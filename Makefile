@@ -11,6 +11,7 @@
 # make noise  the six studies with noise in the last bits, by two seeds: nothing may differ but digits within errors
 # make trial  kills, full disks, damaged and hostile files, two writers: a quarter of them (SHARE=1: all), by a seed
 # make bench  what continuing costs, beside peers: docs/benchmarks.md
+# make dist   wheel and source distribution, left in dist/; make wheel tries the wheel in an empty environment
 # make docs   the picture and the table of modules in docs/, from the code
 #
 # Everything goes into .venv, which is made when it is first needed. `make test PYTHON=python3.12` chooses the Python.
@@ -24,7 +25,7 @@ BASE ?= main
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo quick near test slow long runs browser check same noise trial bench docs static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo quick near test slow long runs browser check same noise trial bench dist wheel docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -110,6 +111,16 @@ bench: install-bench
 	$(BIN)/python benchmarks/equilibria.py
 	$(BIN)/python benchmarks/orbit_and_monodromy.py
 	$(BIN)/python benchmarks/cascade.py
+
+dist: install-dev
+	sh tools/install.sh $(VENV) dist
+	rm -rf dist build
+	@mkdir dist && $(BIN)/python -m build --no-isolation --outdir dist . >dist/log 2>&1 || { cat dist/log; exit 1; }
+	@rm dist/log && ls -l dist
+
+# The libraries that it depends on are those of the development environment; WHEEL=--real gets them, and measures.
+wheel: dist
+	$(BIN)/python -m tools.wheel $(WHEEL)
 
 # What of docs/ is written from the code: tests compare it.
 docs: install

@@ -26,6 +26,7 @@ INTERRUPTED, TERMINATED = 130, 143  # 128 + SIGINT, 128 + SIGTERM, as shells cou
 _COMMANDS = {
     "new": ("contwalk.cli.new_command", "Write a plugin and a run file that run as they are."),
     "import": ("contwalk.cli.import_command", "Make a plugin of a model that exists: .ode, .txt."),
+    "examples": ("contwalk.cli.examples_command", "List run files that come along, or copy one."),
     "init": ("contwalk.cli.init_command", "Write a commented run file for a system, to start from."),
     "continue": ("contwalk.cli.continue_command", "Compute the study that a run file describes."),
     "simulate": ("contwalk.cli.simulate_command", "Integrate one motion and locate its events."),
@@ -55,7 +56,7 @@ _COMMANDS = {
 def group(context: click.Context) -> None:
     """Continuation and bifurcation analysis of smooth and impacting machines.
 
-    A first study: `contwalk systems list`, `contwalk init SYSTEM`, `contwalk continue FILE`.
+    A first study: `contwalk examples autobalancer_load`, `contwalk continue autobalancer_load.yaml`.
     """
     if context.invoked_subcommand is None:
         click.echo(context.get_help())

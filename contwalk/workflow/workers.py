@@ -26,7 +26,8 @@ from contwalk.workflow.walking_ahead import StudyText, Walker, failed_elsewhere
 # A branch that has ended so many processes, and ends one more, is walked by this one where that was killed;
 # where they ended by themselves this one would end too.
 MOST_LOST = 2
-KILLED = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+# Some of these signals are not everywhere.
+KILLED = [getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")]
 # What is said of a process that has ended.
 LOST = (
     "A process that computed a branch has ended, by itself or by a signal; another one computes it again, "
