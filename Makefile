@@ -12,7 +12,7 @@
 # make trial  kills, full disks, damaged and hostile files, two writers: a quarter of them (SHARE=1: all), by a seed
 # make bench  what continuing costs, beside peers: docs/benchmarks.md
 # make dist   wheel and source distribution, left in dist/; make wheel tries the wheel in an empty environment
-# make docs   the picture and the table of modules in docs/, from the code
+# make docs   what of docs/ is written from the code, and the site: build/site/html/index.html
 #
 # Everything goes into .venv, which is made when it is first needed. `make test PYTHON=python3.12` chooses the Python.
 
@@ -79,7 +79,7 @@ runs: install-test
 # Where there is no Chromium, that is said and nothing is run; the tests themselves fail without it.
 browser: install-test
 	@if command -v chromium || command -v chromium-browser || command -v google-chrome; then \
-	    sh tools/install.sh $(VENV) browser && $(BIN)/python -m pytest -m browser $(TEST_OPTIONS) tests/explorer; \
+	    sh tools/install.sh $(VENV) browser && sh tools/install.sh $(VENV) docs && $(BIN)/python -m pytest -m browser $(TEST_OPTIONS) tests/explorer; \
 	else echo "The tests in a browser were not run: there is no Chromium (apt-get install chromium)."; fi
 
 # -- what a contributor types --------------------------------------------------------------------------------
@@ -122,9 +122,11 @@ dist: install-dev
 wheel: dist
 	$(BIN)/python -m tools.wheel $(WHEEL)
 
-# What of docs/ is written from the code: tests compare it.
+# What of docs/ is written from the code (tests compare it), then the site with the index of its search.
 docs: install
 	$(BIN)/python -m tools.house
+	sh tools/install.sh $(VENV) docs
+	$(BIN)/python -m tools.site
 
 # The pictures of the README.
 docs-image: demo

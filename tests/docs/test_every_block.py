@@ -9,7 +9,13 @@ from code_blocks import ROOT
 
 # The test that runs all blocks of a page, those of each language in their order.
 RUN = {
-    "README.md": "docs/test_readme.py",
+    "docs/coming_from/auto.md": "docs/test_coming_from.py",
+    "docs/coming_from/bifpy.md": "docs/test_coming_from.py",
+    "docs/coming_from/bifurcationkit.md": "docs/test_coming_from.py",
+    "docs/coming_from/coco.md": "docs/test_coming_from.py",
+    "docs/coming_from/matcont.md": "docs/test_coming_from.py",
+    "docs/coming_from/pydstool.md": "docs/test_coming_from.py",
+    "docs/coming_from/xppaut.md": "docs/test_coming_from.py",
     "docs/howto/clocks.md": "docs/test_howto_events.py",
     "docs/howto/conserved_energy.md": "docs/test_conserved_energy.py",
     "docs/howto/cookbook.md": "docs/test_cookbook.py",
@@ -23,8 +29,10 @@ RUN = {
     "docs/howto/relays.md": "docs/test_howto_events.py",
     "docs/howto/scuffing.md": "docs/test_scuffing.py",
     "docs/howto/storage_backends.md": "page_backend.py",
+    "docs/overview.md": "docs/test_readme.py",
     "docs/reference/equations.md": "docs/test_equations_page.py",
     "docs/reference/plugin.md": "docs/test_tutorials.py",
+    "docs/start.md": "docs/test_coming_from.py",
     "docs/tutorials/first_chart.md": "docs/test_first_chart.py",
     "docs/tutorials/first_orbit.md": "docs/test_tutorials.py",
     "docs/tutorials/first_plugin.md": "docs/test_tutorials.py",
@@ -40,7 +48,7 @@ NOT_RUN = {
     ("docs/howto/accuracy.md", "contwalk tradeoff runs/autobalancer_cascade.yaml"): STUDY,
     ("docs/howto/accuracy.md", "from contwalk.diagram.reopening import reopened"): PART,
     ("docs/howto/accuracy.md", "$ contwalk continue my_run.yaml"): NOISE,
-    ("docs/reference/cli.md", "contwalk init SYSTEM [-o FILE] [--set CHOICE=VALUE]"): FORMS,
+    ("docs/reference/cli.md", "contwalk examples [NAME] [--force]"): FORMS,
     ("docs/reference/cli.md", "contwalk systems list"): FORMS,
     (
         "docs/reference/figures.md",
