@@ -66,7 +66,7 @@ class OrbitEquations(Equations):
         self.forced, self.eventful = system.period is not None, bool(self.legs[-1][1])
         sizes = [len(system.states_of(mode)) for mode, _ in self.legs]
         kept = stored_orbit(info, unknowns, sizes, self.forced, period)
-        self.first = [starts[0] for starts in kept.starts]
+        self.first, self.lasting = [starts[0] for starts in kept.starts], kept.lasting
         self.closures = period / self._period(free) if self.forced else 0.0
         full = np.zeros((len(legs), len(info.states)))
         for row, starts, (mode, _) in zip(full, kept.starts, self.legs, strict=True):

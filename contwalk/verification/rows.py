@@ -66,15 +66,19 @@ def _tolerance(branch: Branch, row: int, part: float = 1e-4) -> float:
 
 
 def _compared(branch: Branch, row: int, equations: Equations) -> tuple[np.ndarray, np.ndarray]:
-    """Where the state at the start and the free parameters stand in z, and their weights in the metric.
+    """Where the state at the start, durations and the free parameters stand in z, and their weights in the
+    metric.
 
     What an orbit passes later is no word of the record: it is followed from its start, from which it may have
     grown away.
     """
     k, weights = len(equations.free), branch.points[row]["weights"][: len(branch.unknowns(row))]
-    n = len(equations.first[0]) if isinstance(equations, OrbitEquations) else equations.rank
-    which = np.concatenate([np.arange(n), np.arange(len(equations.z) - k, len(equations.z))])
-    return which, np.concatenate([weights[:n], weights[: -1 - k : -1]])
+    n, lasting, durations = equations.rank, slice(0), np.arange(0)
+    if isinstance(equations, OrbitEquations):
+        n, lasting, last = len(equations.first[0]), equations.lasting, equations.size - 1
+        durations = np.arange(last - equations.count, last)[: len(weights[lasting])]
+    which = np.concatenate([np.arange(n), durations, np.arange(len(equations.z) - k, len(equations.z))])
+    return which, np.concatenate([weights[:n], weights[lasting], weights[: -1 - k : -1]])
 
 
 def along_curve(branch: Branch, row: int, equations: Equations) -> np.ndarray:

@@ -29,6 +29,8 @@ class StoredOrbit:
         The time at the start, of forced orbits through events.
     drifts : ndarray, shape (j,)
         Along directions that are held.
+    lasting : slice
+        Where durations stand in the unknowns: nowhere, where a force gives the only one.
     """
 
     starts: list[np.ndarray]
@@ -36,6 +38,7 @@ class StoredOrbit:
     durations: np.ndarray
     start: float
     drifts: np.ndarray
+    lasting: slice
 
 
 def stored_orbit(
@@ -57,7 +60,8 @@ def stored_orbit(
         place += len(own)
     begins = [np.arange(cuts) / cuts] * legs
     start = float(unknowns[rest - 1]) if forced else 0.0
-    return StoredOrbit(starts, begins, unknowns[total : total + legs], start, unknowns[rest : rest + pins])
+    lasting = slice(total, total + legs)
+    return StoredOrbit(starts, begins, unknowns[lasting], start, unknowns[rest : rest + pins], lasting)
 
 
 def _smooth(
@@ -70,7 +74,8 @@ def _smooth(
     cuts = len(begins)
     drifts = unknowns[cuts * n + timed : cuts * n + timed + pins]
     starts = unknowns[: cuts * n].reshape(cuts, n)
-    return StoredOrbit([starts], [begins], np.array([period]), 0.0, drifts)
+    lasting = slice(cuts * n, cuts * n + timed)
+    return StoredOrbit([starts], [begins], np.array([period]), 0.0, drifts, lasting)
 
 
 def _times(info: BranchInfo, unknowns: np.ndarray, left: int, n: int, least: int = 9) -> np.ndarray | None:
