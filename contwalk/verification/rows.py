@@ -165,11 +165,11 @@ def unstable_between(branch: Branch, found: Solution, unit: bool) -> tuple[int, 
     level = SLACK * found.spread + len(spectrum) * np.spacing(np.abs(spectrum).max())
     beyond = np.abs(spectrum) - 1.0 if unit else spectrum.real
     critical = CRITICAL.get(str(branch.info.settings.get("of")), 0) if branch.info.problem == LOCUS else 0
-    if critical:
-        kept = np.argsort(np.abs(beyond))[critical:]
-        saddle = int(
-            critical == 2 and not np.any(np.abs(spectrum[np.argsort(np.abs(beyond))[:2]].imag) > 0.0)
-        )
-        beyond, level = beyond[kept], level[kept]
+    order = np.argsort(np.abs(beyond))
+    held = order[:critical]
+    # A fold in what says where on a held family one is has no eigenvalue at the border: all count there.
+    if critical and np.all(np.abs(beyond[held]) <= level[held] + ROUGH * np.abs(spectrum).max()):
+        saddle = int(critical == 2 and not np.any(np.abs(spectrum[held].imag) > 0.0))
+        beyond, level = beyond[order[critical:]], level[order[critical:]]
         return int(np.sum(beyond > level)) + saddle, int(np.sum(beyond > -level)) + saddle
     return int(np.sum(beyond > level)), int(np.sum(beyond > -level))

@@ -43,7 +43,8 @@ class BranchPoint:
 
     def gradients(self, place: Place, told: Deficient, own: Any) -> np.ndarray:
         """Derivatives of both values by z; mu has no part in them; shape (2, N + 3)."""
-        slopes = [-(told.left @ place.slopes(_along_one(q, self.place))) for q in told.right]
+        moved = (np.insert(q, len(q) - (self.place != SECOND), 0) for q in told.right)  # as directions of z
+        slopes = [-(told.left @ place.slopes(q)) for q in moved]
         return np.column_stack([np.array(slopes), np.zeros(2)])
 
     def levels(self, place: FloatPlace, told: Deficient, own: float) -> np.ndarray:
@@ -56,11 +57,6 @@ class BranchPoint:
 def _by_one(matrix: np.ndarray, place: int) -> np.ndarray:
     """The columns of states, drifts and one parameter, shape (M, N + 1), from those of z, (M, N + 2)."""
     return np.delete(matrix, FIRST + SECOND - place, axis=1)
-
-
-def _along_one(q: np.ndarray, place: int) -> np.ndarray:
-    """A direction of states, drifts and one parameter, shape (N + 1,), as one of z, (N + 2,)."""
-    return np.insert(q, len(q) if place == SECOND else len(q) - 1, 0)
 
 
 def branch_point(plane: Plane, z: np.ndarray, units: np.ndarray | None = None) -> BranchPoint:

@@ -79,6 +79,12 @@ class Folds(Curve):
         return np.zeros(1, dtype=complex)
 
 
+class FamilyFolds(Folds):
+    """Folds of a held family in what says where on it one is: no eigenvalue beside the held ones is zero."""
+
+    name, held = "family", Curve.held
+
+
 class HopfPoints(Curve):
     """Hopf points, and neutral saddles: a pair s, -s."""
 
@@ -107,9 +113,7 @@ class BranchPoints(Curve):
         """DF by states and a parameter loses rank, with borders for z, shape (N + 2,)."""
         return branch_point(plane, z)
 
-    def held(self, own: float) -> np.ndarray:
-        """Zero, shape (1,)."""
-        return np.zeros(1, dtype=complex)
+    held = Folds.held
 
 
 @dataclass(frozen=True)
@@ -151,9 +155,7 @@ class _RealPartAt:
         """The value."""
         return self.level
 
-    def held(self, own: float) -> np.ndarray:
-        """None, shape (0,)."""
-        return np.zeros(0, dtype=complex)
+    held = Curve.held
 
 
 class RealEigenvalueAt(_RealPartAt, Folds):
@@ -172,7 +174,7 @@ class PairAt(_RealPartAt, HopfPoints):
 
 FOLDS, HOPF_POINTS, BRANCH_POINTS = Folds(), HopfPoints(), BranchPoints()
 CURVES: dict[str, Curve] = {curve.of: curve for curve in (FOLDS, HOPF_POINTS, BRANCH_POINTS)}
-_MARKED = {kind.name: kind for kind in (ObservableAt, AtParameter, RealEigenvalueAt, PairAt)}
+_NAMED = {kind.name: kind for kind in (FamilyFolds, ObservableAt, AtParameter, RealEigenvalueAt, PairAt)}
 # The labels of special points of equilibria that curves are of.
 LABELS = (*CURVES, MARKED)
 
@@ -182,4 +184,4 @@ def curve_of(settings: Mapping[str, Any]) -> Curve:
     stored = settings.get("curve")
     if stored is None:
         return CURVES[str(settings["of"])]
-    return _MARKED[stored["name"]](**{key: value for key, value in stored.items() if key != "name"})
+    return _NAMED[stored["name"]](**{key: value for key, value in stored.items() if key != "name"})

@@ -201,7 +201,7 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         )
 
     def spectrum(self, z: np.ndarray, tangent: np.ndarray) -> tuple[Spectrum, np.ndarray]:
-        """Eigenvalues beside the critical ones, and these, shape (1,) or (2,), at z, shape (N + 1,)."""
+        """Eigenvalues beside the critical ones, and these, shape (0,), (1,) or (2,), at z, shape (N + 1,)."""
         n, place = self.states, self.in_plane(z)
         inputs, jacobian = self.plane.inputs(place), self.plane.jacobian(place)
         rate = self.plane.kernels.rate_of_matrix(*inputs, self.in_plane(tangent).tolist())
@@ -209,7 +209,7 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
         declared = [n + j for j, pin in enumerate(self.pins) if pin.name != neutrals.UNDECLARED]
         zeros = len(self.pins) - len(declared)
         found = spectrum(jacobian[:n, :n], rate, rounding, jacobian[:n, declared], zeros)
-        critical = self.critical_values(z)
+        critical = self.curve.held(self.own(z))
         kept = np.array(taken_out(found.values, critical)[0], dtype=int)
         bordering, errors = None if found.bordering is None else found.bordering[kept], found.errors[kept]
         if len(kept) == len(critical) == 1 and keeps_volumes(jacobian[:n, :n], rate, rounding):
@@ -217,10 +217,6 @@ class EquilibriumLocus(OwnMeasures, OwnPlace):
             bordering, errors = np.ones(1, dtype=bool), np.minimum(errors, 0.01 * np.abs(found.values[kept]))
         rest = Spectrum(found.values[kept], errors, found.rates[kept], bordering=bordering)
         return rest, critical
-
-    def critical_values(self, z: np.ndarray) -> np.ndarray:
-        """The critical eigenvalues that the curve holds, shape (0,), (1,) or (2,)."""
-        return self.curve.held(self.own(z))
 
     def rate(self, name: str, sample: Sample) -> float:
         """Derivative of an observable, or of a free parameter, along the curve."""

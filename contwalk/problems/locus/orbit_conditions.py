@@ -80,10 +80,8 @@ def pair_system(problem: OrbitData, near: Near, cosine: float, held: bool = Fals
         """The bordered L(0), and what it changes by with mu, scaled."""
         still = variations.cycle_matrix(problem, jacobian, 0.0).real / rows[:, None] * columns
         turned = variations.cycle_matrix(problem, jacobian, 1.0).real / rows[:, None] * columns - still
-        whole, changing = np.zeros((size + 1, size + 1)), np.zeros((size + 1, size + 1))
-        whole[:size, :size], whole[:size, size], whole[size, :size] = still, column, row
-        changing[:size, :size] = turned
-        return whole, changing
+        whole = np.block([[still, column[:, None]], [row, np.zeros(1)]])
+        return whole, np.pad(turned, (0, 1))
 
     def solved(there: OrbitData, y: np.ndarray) -> Parts:
         """g, v, both left vectors, what L changes by, and DF."""

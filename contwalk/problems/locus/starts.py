@@ -9,20 +9,24 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
+from contwalk.numerics.linear import balanced
 from contwalk.problems.locus.curves import (
     BRANCH_POINTS,
     CURVES,
+    FOLDS,
     HOPF_POINTS,
     LABELS,
     MARKED,
     AtParameter,
     Curve,
+    FamilyFolds,
     ObservableAt,
     PairAt,
     RealEigenvalueAt,
 )
 from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus, plane_of, spans_of
 from contwalk.problems.locus.persistence import not_followed
+from contwalk.problems.locus.plane import Plane
 from contwalk.problems.problem import MAX_RE
 from contwalk.system import Neutral, System
 
@@ -66,7 +70,23 @@ def locus_at(
     plane = plane_of(system, parameters, free, pins, state, discretization)
     values = [parameters[name] for name in reversed(free)]
     z = np.concatenate([state, drifts, [own] * curve.own, values])
+    if curve is FOLDS and pins and _of_family(plane, z, float(np.abs(point.spectrum).min(initial=np.inf))):
+        curve = FamilyFolds()
     return EquilibriumLocus(plane, curve, z, spans_of(ranges or {}, (free[1], free[0]))), z
+
+
+def _of_family(plane: Plane, z: np.ndarray, nearest: float) -> bool:
+    """Whether at a fold z, (N + 2,), what fixes held directions is at a right angle to one of them.
+
+    There (F_u - s E) q = 0 has solutions along what is held, whatever s is: a family turns back, and no
+    eigenvalue need be zero, of which the `nearest` one is so large. Of both, as parts of what they are parts
+    of, the smaller one is what vanishes.
+    """
+    n = plane.states
+    scaled, _ = balanced(plane.jacobian(z)[:, : plane.size])
+    fixing, along = scaled[n:, :n], scaled[:n, n:]
+    cosines = fixing @ along / np.outer(np.linalg.norm(fixing, axis=1), np.linalg.norm(along, axis=0))
+    return bool(nearest > np.linalg.norm(scaled[:n, :n]) * np.linalg.norm(cosines, -2))
 
 
 def followed_from(system: System, point: SpecialPoint, free: tuple[str, str]) -> tuple[Curve, float]:

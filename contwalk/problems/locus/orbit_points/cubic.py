@@ -51,15 +51,11 @@ class VanishingCubic(OrbitLocusPoint):
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The point of the curve at which it vanishes."""
-        return where_zero(sample, problem, self._at)
+        return where_zero(sample, problem, lambda own, z: self._with_terms(own, z)[0])
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The cubic coefficient, as it is left there."""
         return None, self.coefficients(problem, located.z), FIFTH
-
-    def _at(self, problem: Any, z: np.ndarray) -> float:
-        """The cubic coefficient, NaN where it is unknown, which is not zero; z has the shape (N + k + 2,)."""
-        return self._with_terms(problem, z)[0]
 
     def _with_terms(self, problem: Any, z: np.ndarray) -> tuple[float, float]:
         """The cubic coefficient, NaN where it is unknown, and the size of its terms.

@@ -13,7 +13,7 @@ from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.refine import Solution
 from contwalk.problems.equilibrium.defining_systems import solve
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint
-from contwalk.problems.locus.conditions import Augmented, Condition, Function, defining_system
+from contwalk.problems.locus.conditions import Augmented, Function, defining_system
 from contwalk.problems.locus.curves import Curve
 from contwalk.problems.locus.persistence import NOTHING
 from contwalk.problems.locus.plane import Plane
@@ -94,7 +94,7 @@ def located_by(
     frequencies = [
         k
         for k, condition in enumerate(c for c in augmented.conditions if c.unknowns)
-        if positive and _is_pair(condition)
+        if positive and condition.unfolding is None
     ]
 
     def described(found: Solution) -> Located | None:
@@ -110,10 +110,6 @@ def located_by(
         return Located(place, float(found.errors[-1]), met, found.refined, errors=errors)
 
     return solve(system, start, described, augmented.unfoldings)
-
-
-def _is_pair(condition: Condition) -> bool:
-    return condition.unknowns > 0 and condition.unfolding is None
 
 
 def _unfolding(plane: Plane, z: np.ndarray, condition: Any) -> float:
