@@ -37,6 +37,7 @@ class Bent:
         self.equations, self.z, self.step, self.n = equations, z, step, equations.size
         self.sizes = equations.sizes[: self.n]
         self.across = equations.across(z)
+        self.fixed = equations.fixed(z, self.across)
         self.matrix = self.at(np.zeros(self.across.shape[1]))
         self.by_free = self.across.T @ equations.at(z, 0.0).jacobian[: self.n, self.n :]
 
@@ -46,6 +47,10 @@ class Bent:
         z[: self.n] += self.across @ moved
         matrix = self.equations.at(z, 0.0).jacobian[: self.n, : self.n]
         return np.asarray(self.across.T @ matrix @ self.across)
+
+    def unit(self, q: np.ndarray) -> np.ndarray:
+        """q, (r,), so long that the states that it moves, those along what is pinned as well, are."""
+        return np.asarray(q / np.linalg.norm(self.fixed @ q))
 
     def _length(self, u: np.ndarray) -> float:
         return self.step / max(float(np.max(np.abs(self.across @ u) / self.sizes)), 1e-300)
@@ -81,7 +86,7 @@ def lyapunov(omega: float) -> Form:
     def form(bent: Bent) -> float:
         matrix = bent.matrix
         q, p = _vector(matrix, 1j * omega), _vector(matrix.T, -1j * omega)
-        q = q / np.linalg.norm(q)
+        q = bent.unit(q)
         p = p / np.conj(np.vdot(p, q))
         a, b = q.real, q.imag
         cubic = bent.second(a) - bent.second(b) + 0.5j * (bent.second(a + b) - bent.second(a - b))
@@ -97,6 +102,7 @@ def lyapunov(omega: float) -> Form:
 def pitchfork(bent: Bent) -> float:
     """c of y' = c y^3 along the critical vector, |q| = 1, p.q = 1."""
     q, p = critical(bent.matrix, 0j)
+    q, p = (unit := bent.unit(q)), p / (p @ unit)
     by_q = bent.first(q)
     h = bordered(bent.matrix, q, p, by_q @ q)
     return float(p @ (bent.second(q) @ q - 3.0 * by_q @ h)) / 6.0

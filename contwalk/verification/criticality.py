@@ -33,7 +33,7 @@ def judged(branch: Branch, point: SpecialPoint, equations: Equations, found: Sol
     if sign and stored is not None and (sign * stored > 0.0) != (point.criticality == "supercritical"):
         return DISAGREES, f"it says {point.criticality}, and its coefficient {name} is {stored:.6g}"
     try:
-        own, alike = _own(label, point, equations, found)
+        own = _own(label, point, equations, found)
     except CannotTell as why:
         reason = f"it is there; its coefficient {name} is not recomputed: {why.sentence}"
         return (CANNOT_TELL, reason) if sign else (AGREES, "")
@@ -42,7 +42,7 @@ def judged(branch: Branch, point: SpecialPoint, equations: Equations, found: Sol
         return CANNOT_TELL, f"it is there; its {name} is {own.value:.2g}, to {own.error:.2g}, {by}"
     if sign and (sign * own.value > 0.0) != (point.criticality == "supercritical"):
         return DISAGREES, f"it says {point.criticality}, and its {name} is {own.value:.6g} {by}"
-    if alike and stored is not None:
+    if stored is not None:
         allowed = SLACK * (own.error + claim) + EPSILON**0.25 * max(abs(own.value), abs(stored))
         if abs(own.value - stored) > allowed:
             return DISAGREES, f"its {name} is {stored:.6g}, and {own.value:.6g} {by}"
@@ -72,16 +72,15 @@ def _stored(point: SpecialPoint, name: str) -> tuple[float | None, float]:
     return None if value is None else float(value), float(point.coefficients.get(f"{name}_error", 0.0))
 
 
-def _own(label: str, point: SpecialPoint, equations: Equations, found: Solution) -> tuple[Told, bool]:
-    """The coefficient by differences, and whether its critical vector is as long as that of the record's."""
+def _own(label: str, point: SpecialPoint, equations: Equations, found: Solution) -> Told:
+    """The coefficient by differences, of a critical vector as long as that of the record's."""
     at = found.at
     if isinstance(equations, Unfolded):
         at, equations = equations.inner(at), equations.equations
     if isinstance(equations, EquilibriumEquations):
         forms = {"BP": coefficients.pitchfork, "LP": coefficients.fold}
         form = forms.get(label) or coefficients.lyapunov(float(point.coefficients["omega"]))
-        pinned = bool(equations.info.settings.get("pins"))
-        return coefficients.told(equations, at.z, form), label == "LP" or not pinned
+        return coefficients.told(equations, at.z, form)
     if not isinstance(equations, OrbitEquations):
         raise CannotTell("Its equations have no return map.")
     round_ = Round(equations, at, TIGHT)
@@ -95,10 +94,7 @@ def _own(label: str, point: SpecialPoint, equations: Equations, found: Solution)
     }
     found_ = normal_forms.told(round_, value, form_of[label])
     if label == "LP":  # no length of q changes it
-        return found_, True
-    try:
-        square = squared(equations, at, round_.basis @ normal_forms.critical(round_.matrix, value)[0])
-    except CannotTell:
-        return found_, False
+        return found_
+    square = squared(equations, at, round_.basis @ normal_forms.critical(round_.matrix, value)[0], value)
     size = found_.value / square.value
-    return Told(size, found_.error / square.value + abs(size) * square.error / square.value), True
+    return Told(size, found_.error / square.value + abs(size) * square.error / square.value)

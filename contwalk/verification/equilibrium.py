@@ -81,6 +81,18 @@ class EquilibriumEquations(Equations):
         lefts, rights = _sides(moved[:, 1 : 1 + n], directions)
         return basis(np.array(lefts).reshape(-1, n), rights)
 
+    def fixed(self, z: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """Directions across what is pinned, (n, r), so far along it that what fixes it stays fixed.
+
+        z has the shape (N + k,).
+        """
+        n, p = self.size, self.functions.parameters.at(z[self.size :])
+        _, rows, directions = pin_rows(self.functions, self.info, self.mode, self.z[:n], z[:n], p)
+        if not len(rows):
+            return across
+        along = np.array(directions).T
+        return np.asarray(across - along @ np.linalg.solve(rows[:, :n] @ along, rows[:, :n] @ across))
+
 
 def _sides(matrix: np.ndarray, directions: Sequence[np.ndarray]) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Of pinned directions, (n,), those that are left vectors of a matrix, (n, n), and the others."""

@@ -25,13 +25,19 @@ from contwalk.verification.stored_orbit import stored_orbit
 
 @dataclass(frozen=True)
 class Leg:
-    """A leg as it was passed: its mode, the name of what ends it, its pieces, and the time at its start."""
+    """A leg as it was passed: its mode, the name of what ends it, its pieces, and the time at its start.
+
+    Of a deviation at its end, (n,), `saltation`, (n', n), makes that at the next one's start, and `late`,
+    (n,), how much later it comes to the event.
+    """
 
     mode: str
     event: str
     pieces: list[Passage]
     start: float
     duration: float
+    saltation: np.ndarray
+    late: np.ndarray
 
 
 class OrbitEquations(Equations):
@@ -245,11 +251,14 @@ class _Assembly:
                 moved[:, self.place : self.place + n] -= np.eye(n)
                 self._write(piece.end - z[self.place : self.place + n], moved)
         self.dt = self.dt + by_duration
-        self.legs.append(Leg(mode, event, pieces, *begun))
-        self._ends(number, event, pieces[-1], moved)
+        self.legs.append(Leg(mode, event, pieces, *begun, *self._ends(number, event, pieces[-1], moved)))
 
-    def _ends(self, number: int, event: str, piece: Passage, moved: np.ndarray) -> None:
-        """Write that a leg ends at its event, and where the next one begins."""
+    def _ends(
+        self, number: int, event: str, piece: Passage, moved: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Write that a leg ends at its event, and where the next one begins; its saltation, and how late what
+        deviates is.
+        """
         orbit, functions = self.orbit, self.functions
         last = number == len(orbit.legs) - 1
         target = orbit.legs[0 if last else number + 1][0]
@@ -259,7 +268,7 @@ class _Assembly:
         )
         after, by = jump(self.t, piece.end, self.p)
         n = len(piece.end)
-        saltation = by[:, 1 : 1 + n]
+        saltation, late = by[:, 1 : 1 + n], np.zeros(n)
         if transition is not None:
             value, slope = functions.guard(transition)(self.t, piece.end, self.p)
             row = slope[0, 1 : 1 + n] @ moved + slope[0, 0] * self.dt
@@ -270,9 +279,8 @@ class _Assembly:
             then = functions.field(target)(time, after, self.p)[0]
             then = then + orbit.drifting(target, after, self.p) @ self.z[self.drifts]
             with np.errstate(all="ignore"):
-                saltation = saltation + np.outer(
-                    then - by[:, 1 : 1 + n] @ piece.rate - by[:, 0], slope[0, 1 : 1 + n] / rate
-                )
+                late = -slope[0, 1 : 1 + n] / rate
+                saltation = saltation + np.outer(saltation @ piece.rate + by[:, 0] - then, late)
         self.monodromy = saltation @ self.monodromy
         following = by[:, 1 : 1 + n] @ moved + np.outer(by[:, 0], self.dt)
         following[:, orbit.size :] += by[:, 1 + n :]
@@ -283,6 +291,7 @@ class _Assembly:
         if last:
             missed = missed - orbit.turns[list(functions.system.states_of(target))]
         self._write(missed, following)
+        return saltation, late
 
     def closed(self) -> None:
         """Write what holds the phase or the period, pins, and conserved quantities."""

@@ -40,6 +40,8 @@ class Passage:
         At the end.
     mode : str
         The mode at the end: soft transitions change it on the way.
+    modes : tuple of str
+        That of each step, s - 1 of them.
     """
 
     times: np.ndarray
@@ -49,6 +51,7 @@ class Passage:
     derivative: np.ndarray
     rate: np.ndarray
     mode: str
+    modes: tuple[str, ...]
 
 
 def passed(
@@ -79,13 +82,14 @@ def passed(
     sizes = np.concatenate(
         [scale, np.outer(scale, np.concatenate([[1.0], 1.0 / scale, np.ones(width - 1 - n)])).ravel()]
     )
-    times, whole, t, end = [np.array([start])], [y[None]], start, start + duration
+    times, whole, t, end, modes = [np.array([start])], [y[None]], start, start + duration, list[str]()
     motion = _Motion(functions, p, relative, sizes, width)
     mode = _settled(functions, mode, start, x, p)
     while True:
         found = motion.followed(mode, t, y, end)
         times.append(found.t[1:])
         whole.append(found.y[:, 1:].T)
+        modes += [mode] * (len(found.t) - 1)
         t, y = float(found.t[-1]), found.y[:, -1]
         if found.status == 0:
             break
@@ -94,7 +98,8 @@ def passed(
     rate, _ = field(t, y[:n], p)
     along = np.vstack(whole)
     tangents = along[:, n:].reshape(-1, n, width)
-    return Passage(np.concatenate(times), along[:, :n], tangents, y[:n], tangents[-1], rate, mode)
+    passed_ = np.concatenate(times), along[:, :n], tangents, y[:n], tangents[-1], rate, mode
+    return Passage(*passed_, tuple(modes))
 
 
 def reached(
@@ -120,8 +125,8 @@ def reached(
 
 def _switched(functions: Functions, mode: str, found: Any) -> Any:
     """The soft transition at which a motion came to its end."""
-    ended = zip(_soft(functions, mode), found.t_events, strict=True)
-    return next(soft for soft, at in ended if len(at))
+    ended = zip(soft(functions, mode), found.t_events, strict=True)
+    return next(each for each, at in ended if len(at))
 
 
 @dataclass(frozen=True)
@@ -162,7 +167,7 @@ class _Motion:
             return rates
 
         softs = [
-            _crossing(functions.guard(soft), soft.direction, self.p, n) for soft in _soft(functions, mode)
+            _crossing(functions.guard(each), each.direction, self.p, n) for each in soft(functions, mode)
         ]
         given = {"rtol": self.relative, "atol": self.relative * self.sizes, "events": softs or None}
         with np.errstate(all="ignore"):  # what is not finite shows in what comes out
@@ -176,7 +181,8 @@ class _Motion:
         return found
 
 
-def _soft(functions: Functions, mode: str) -> list[Any]:
+def soft(functions: Functions, mode: str) -> list[Any]:
+    """The soft transitions that leave a mode."""
     return [each for each in functions.system.leaving(mode) if each.role == "soft"]
 
 
@@ -194,14 +200,14 @@ def _crossing(guard: Function, direction: str, p: np.ndarray, n: int) -> Any:
 def _settled(functions: Functions, mode: str, t: float, x: np.ndarray, p: np.ndarray) -> str:
     """The mode of a motion at a state: soft transitions happen at once where their guards are past."""
     for _ in functions.system.modes:
-        for soft in _soft(functions, mode):
-            value, moved = functions.guard(soft)(t, x, p)
+        for each in soft(functions, mode):
+            value, moved = functions.guard(each)(t, x, p)
             rate = float(moved[0, 0] + moved[0, 1 : 1 + len(x)] @ functions.field(mode)(t, x, p)[0])
-            sign = 1.0 if soft.direction == "rising" else -1.0
+            sign = 1.0 if each.direction == "rising" else -1.0
             level = np.spacing(float(np.abs(moved[0, 1 : 1 + len(x)]) @ np.abs(x)))
             past = sign * (float(value[0]) if abs(value[0]) > level else rate)
             if past > 0.0:
-                mode = soft.target
+                mode = each.target
                 break
         else:
             break

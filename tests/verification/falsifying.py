@@ -49,9 +49,8 @@ def points(branch: Branch, point: SpecialPoint) -> Iterator[tuple[str, SpecialPo
         for name in sorted({"l1", "c", "d"} & set(point.coefficients)):
             turned = {**point.coefficients, name: -point.coefficients[name]}
             yield "criticality and coefficient turned", replace(point, criticality=other, coefficients=turned)
-            if branch.info.problem != "hybrid_orbit":  # of orbits through events the sign is compared
-                larger = {**point.coefficients, name: 2.0 * point.coefficients[name]}
-                yield "a coefficient twice as large", replace(point, coefficients=larger)
+            larger = {**point.coefficients, name: 2.0 * point.coefficients[name]}
+            yield "a coefficient twice as large", replace(point, coefficients=larger)
     if "omega" in point.coefficients:
         coefficients = {**point.coefficients, "omega": 2.0 * point.coefficients["omega"]}
         yield "another pair's omega", replace(point, coefficients=coefficients)
