@@ -14,7 +14,7 @@ from contwalk.verification.equations import Evaluation
 from contwalk.verification.finding import CannotTell
 from contwalk.verification.functions import Function
 from contwalk.verification.orbit import Leg, OrbitEquations
-from contwalk.verification.passage import EPSILON, TIGHT, passed
+from contwalk.verification.passage import EPSILON, TIGHT, passed, zero_between
 from contwalk.verification.solving import Condition
 
 TOUCH, RATE, DURATION, START, END, CONDITION = "touch", "rate", "duration", "start", "end", "condition"
@@ -181,9 +181,7 @@ def _extreme(
         there = x if tau == t else passed(functions, mode, t, x, tau - t, p, scale, TIGHT).end
         return _with_rate(guard, field, tau, there, p)
 
-    from scipy.optimize import brentq
-
-    tau = float(brentq(lambda tau: at(tau)[1], t, end, xtol=1e-9 * abs(end - t), rtol=4.0 * EPSILON))
+    tau = zero_between(lambda tau: at(tau)[1], t, end)
     return tau, at(tau)[0]
 
 

@@ -10,7 +10,7 @@ from contwalk.system import Observable
 from contwalk.system.declarations import ParameterValues
 from contwalk.verification.equations import Equations, Evaluation
 from contwalk.verification.finding import CannotTell
-from contwalk.verification.passage import EPSILON, TIGHT, passed
+from contwalk.verification.passage import EPSILON, TIGHT, passed, zero_between
 from contwalk.verification.solving import ROUGH, Condition, Sheet
 
 
@@ -108,8 +108,6 @@ def _measured(
 
 def _extreme(equations: Equations, at: Evaluation, place: int, sign: float) -> float:
     """The largest value of a state over an orbit, or the least: at a step, or where its rate turns."""
-    from scipy.optimize import brentq
-
     functions, best = equations.functions, -np.inf
     p = functions.parameters.at(at.z[equations.size :])
     for leg in at.legs:
@@ -132,6 +130,6 @@ def _extreme(equations: Equations, at: Evaluation, place: int, sign: float) -> f
                 def after(tau: float, t: float = t, x: np.ndarray = x) -> np.ndarray:
                     return x if tau == t else passed(functions, leg.mode, t, x, tau - t, p, scale, TIGHT).end  # noqa: B023
 
-                tau = brentq(lambda tau: field(tau, after(tau), p)[0][i], t, end, xtol=1e-9 * abs(end - t))  # noqa: B023
+                tau = zero_between(lambda tau: field(tau, after(tau), p)[0][i], t, end)  # noqa: B023
                 best = max(best, sign * float(after(tau)[i]))
     return sign * best

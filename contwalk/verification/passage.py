@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -179,6 +180,19 @@ class _Motion:
         if found.status < 0 or not np.isfinite(found.y[:, -1]).all():
             raise CannotIntegrate(f"SciPy's DOP853 does not follow the motion: {found.message}")
         return found
+
+
+def zero_between(function: Callable[[float], float], begin: float, end: float) -> float:
+    """Where a function passes zero between two instants.
+
+    Where rounding leaves it one sign at both, it is at the one where the function is nearer to zero.
+    """
+    from scipy.optimize import brentq
+
+    first, last = function(begin), function(end)
+    if first * last >= 0.0:
+        return begin if abs(first) <= abs(last) else end
+    return float(brentq(function, begin, end, xtol=1e-9 * abs(end - begin), rtol=4.0 * EPSILON))
 
 
 def soft(functions: Functions, mode: str) -> list[Any]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contwalk.verification.equations import Equations, Evaluation
-from contwalk.verification.passage import COARSER, TIGHT
+from contwalk.verification.passage import COARSER, TIGHT, zero_between
 from contwalk.verification.solving import Sheet, solved
 
 
@@ -35,3 +35,8 @@ def test_a_condition_that_changes_on_the_way_onto_the_curve_is_solved_all_the_sa
     y, u, x = found.at.z
     np.testing.assert_allclose([y, u], [x**2, x + x**2], rtol=1e-15)
     assert abs(beside(found.at)) < 1e-15  # a rounding of terms of some tenths
+
+
+@pytest.mark.parametrize(("moved", "found"), [(0.0, 0.25), (0.3, 0.0), (-0.8, 1.0)])
+def test_what_rounding_leaves_without_a_zero_is_nearest_to_it_at_an_end(moved: float, found: float):
+    assert abs(zero_between(lambda t: t - 0.25 + moved, 0.0, 1.0) - found) < 2e-9
