@@ -12,6 +12,7 @@
 # make trial  kills, full disks, damaged and hostile files, two writers: a quarter of them (SHARE=1: all), by a seed
 # make bench  what continuing costs, beside peers: docs/benchmarks.md
 # make dist   wheel and source distribution, left in dist/; make wheel tries the wheel in an empty environment
+# make gallery  the pictures of docs/gallery.md, and pages of the explorer for the site
 # make docs   what of docs/ is written from the code, and the site: build/site/html/index.html
 #
 # Everything goes into .venv, which is made when it is first needed. `make test PYTHON=python3.12` chooses the Python.
@@ -25,7 +26,7 @@ BASE ?= main
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo quick near test slow long runs browser check same noise trial bench dist wheel docs static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo quick near test slow long runs browser check same noise trial bench dist wheel gallery docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -128,7 +129,10 @@ docs: install
 	sh tools/install.sh $(VENV) docs
 	$(BIN)/python -m tools.site
 
-# The pictures of the README.
+gallery: install
+	$(BIN)/python -m tools.gallery
+
+# The pictures of the README and the overview.
 docs-image: demo
 	$(BIN)/contwalk continue runs/autobalancer_cascade.yaml --set mark=null --output $(DEMO)/autobalancer_cascade.h5 --force
 	$(BIN)/contwalk continue runs/planar_slope.yaml --output $(DEMO)/planar_slope.h5 --force

@@ -47,7 +47,7 @@ WITH_AXES = ("bifurcation_diagram", "stability_map", "locus", "chart", "phase_po
     help="What stands on the vertical axis; of a time series, any number of them.",
 )
 @click.option("-z", "z", metavar="STATE", help="The third axis of a phase portrait.")
-@click.option("-o", "output", metavar="FIG", required=True, help="The file to write: PNG, SVG or PDF.")
+@click.option("-o", "output", metavar="FIG", required=True, help="The file to write: PNG, SVG, PDF or PGF.")
 @click.option(
     "--kind",
     type=click.Choice(KINDS),
@@ -64,6 +64,11 @@ WITH_AXES = ("bifurcation_diagram", "stability_map", "locus", "chart", "phase_po
     multiple=True,
     help="Where to draw the machine, or an orbit; by default the start, and a handful of orbits.",
 )
+@click.option(
+    "--width",
+    type=click.Choice(["column", "page"]),
+    help="As wide as a column of a journal (3.4 inches), or as a page of it (7.2).",
+)
 @click.option("--full", is_flag=True, help="Multipliers of full orbits, not of what a symmetry closes up.")
 @click.option("--together", is_flag=True, help="Multipliers of all branches in one pair of panels.")
 @click.option("--force", is_flag=True, help="Replace a file that exists.")
@@ -78,6 +83,7 @@ def command(
     kind: str | None,
     names: tuple[str, ...],
     points: tuple[str, ...],
+    width: str | None,
     full: bool,
     together: bool,
     force: bool,
@@ -90,6 +96,7 @@ def command(
     """
     from contwalk.cli.entry import say
     from contwalk.cli.point_page import stored_point
+    from contwalk.plotting.style import of_width
     from contwalk.storage import open_database
     from contwalk.storage.failures import refuse_existing
     from contwalk.storage.trajectory import is_of_margins
@@ -106,6 +113,8 @@ def command(
     if kind == MARGINS:
         if names:
             raise ContwalkError("Margins have no branches.", "Leave --branch out.")
+        if width:
+            raise ContwalkError("Margins are as wide as they have states.", "Leave --width out.")
         plot_margins.plot(db, output, trust)
         return
     with open_database(db) as database:
@@ -117,7 +126,8 @@ def command(
         system = required_system(database, trust) if kind in COMPUTED else None
         units = units_of_run(database, trust) if system is None else None
     if kind == "machine" and pointed and system is not None:
-        _draw_machine(system, *pointed[0], output)
+        with of_width(width):
+            _draw_machine(system, *pointed[0], output)
     else:
         if kind == "stability_map":
             y = y or _swept(branches)
@@ -125,7 +135,8 @@ def command(
         if len(several) > 1:
             options["y"] = several
         options |= {"points": places, **of_multipliers}
-        draw_figure(kind, branches, system, Path(output), options, units, say)
+        with of_width(width):
+            draw_figure(kind, branches, system, Path(output), options, units, say)
     click.echo(f"Wrote {output}.")
 
 

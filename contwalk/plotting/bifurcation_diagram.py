@@ -12,6 +12,7 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
 from contwalk.branch import Branch, SpecialPoint
+from contwalk.plotting.branch_kinds import kinds_of
 from contwalk.plotting.branch_lines import HATCHING, INLAY, LIGHTER, LOOKS, STABLE, WHITE, Pen
 from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.orbit_values import default_y, drawn_by
@@ -26,10 +27,21 @@ from contwalk.plotting.quantities import (
 from contwalk.plotting.segments import Run, position, runs
 from contwalk.plotting.smooth_curves import Curve, curve_of
 from contwalk.plotting.special_points import legend_entries, marker
-from contwalk.plotting.style import GREY, INK, PALETTE, dark, dress, light, new_axes, title
+from contwalk.plotting.style import (
+    GREY,
+    INK,
+    PALETTE,
+    dark,
+    dress,
+    legend_beside,
+    light,
+    new_axes,
+    size_of,
+    title,
+)
 
 MOST_NAMED_BRANCHES = 12
-MANY_LABELS, LARGE = 16, (9.0, 5.4)  # more labels than these need a larger figure, inches
+MANY_LABELS = 16  # more than these need a larger figure
 
 
 def plot_bifurcation_diagram(
@@ -124,7 +136,7 @@ def plot_bifurcation_diagram(
         labels = _names(ax, names, shown, labels) + labels
     labels = [label for label in labels if len(_shown(ax, np.array([[label.x, label.y]])))]
     if own and len(labels) > MANY_LABELS:
-        ax.figure.canvas.figure.set_size_inches(*LARGE)
+        ax.figure.canvas.figure.set_size_inches(*size_of("crowded_diagram"))
     if left_out := place_labels(ax, labels, inks):
         _tell_left_out(ax, handles, left_out, report)
     return ax
@@ -276,13 +288,17 @@ def _tell_unnamed(drawn: Sequence[Branch], report: Callable[[str], None]) -> Non
 def _distinguished(
     drawn: Sequence[Branch], names: Sequence[str], units: Mapping[str, str] | None
 ) -> list[Line2D]:
-    """For branches at different values of fixed parameters an entry each that states them."""
+    """For branches at different values of fixed parameters, or of different periods, an entry each that
+    states them.
+    """
     fixed, differing = _differing(drawn)
-    if not differing or len(drawn) > MOST_NAMED_BRANCHES:
+    kinds = kinds_of(drawn)
+    if not (differing or kinds) or len(drawn) > MOST_NAMED_BRANCHES:
         return []
+    firsts = [f"{name}: {what}" for name, what in zip(names, kinds, strict=True)] if kinds else names
     texts = [
-        "\n".join([called, *(_setting(name, each[name], units) for name in differing if name in each)])
-        for called, each in zip(names, fixed, strict=True)
+        "\n".join([first, *(_setting(name, each[name], units) for name in differing if name in each)])
+        for first, each in zip(firsts, fixed, strict=True)
     ]
     return [Line2D([], [], color=_color(i), label=text, **STABLE) for i, text in enumerate(texts)]
 
@@ -331,15 +347,10 @@ def _legend(ax: Axes, handles: Sequence[Any]) -> None:
     """The legend, outside the axes."""
     if handles:
         texts = [handle[0] if isinstance(handle, tuple) else handle for handle in handles]
-        ax.legend(
+        legend_beside(
+            ax,
             handles,
-            [str(text.get_label()) for text in texts],
+            labels=[str(text.get_label()) for text in texts],
             handler_map={tuple: HandlerTuple(ndivide=1)},
-            loc="upper left",
-            bbox_to_anchor=(1.01, 1.0),
-            borderaxespad=0.0,
-            frameon=False,
-            fontsize=8.5,
-            labelcolor=INK,
             handlelength=2.6,
         )

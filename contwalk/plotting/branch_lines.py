@@ -25,10 +25,10 @@ LOOKS = {True: ("stable", STABLE), False: ("unstable", UNSTABLE), None: (UNDECID
 # Where the machine cannot move so, lines are light, on grey hatching across them.
 HATCHING: dict[str, Any] = {
     "linestyle": "--",
-    "linewidth": 6.0,
-    "dashes": (0.16, 0.34),
+    "linewidth": 4.5,
+    "dashes": (0.11, 0.67),
     "dash_capstyle": "butt",
-    "color": "#C9C9C9",
+    "color": "#D9D9D9",
 }
 WHITE = 0.4  # share of white in their colour
 LIGHTER = 0.75  # their width, in widths of the others

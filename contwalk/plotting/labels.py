@@ -19,7 +19,8 @@ from contwalk.plotting.placement import Ink, Placement
 
 FONT_SIZE = 8.0
 LEADER_FROM_POINTS = 12.0  # a label farther than this from its point gets a line to it
-SAME_PLACE_POINTS = 2.0  # labels of points nearer than this share one text
+SAME_PLACE_POINTS = 3.0  # labels of points nearer than this share one text: half a marker
+MIXED = "#222222"  # of the text of markers of several colours
 MOST_SHARED = 4  # names in one text; of more, one less is written, and how many there are besides
 
 
@@ -49,7 +50,8 @@ def place_labels(
 ) -> list[str]:
     """Write the labels next to their points, with a thin leader line to those that had to move away.
 
-    Labels of one colour at one place, as where a branch passes through its own mirror image, become one text.
+    Labels whose markers lie on each other, as where a branch passes through its own mirror image, become one
+    text; it is grey where they are of several colours.
     Where there is no room for all, the last ones are left out.
 
     Parameters
@@ -79,7 +81,7 @@ def place_labels(
         root.draw_without_rendering()
     groups = _merged(ax, labels, SAME_PLACE_POINTS * root.dpi / 72.0)
     labels = [group[0] for group in groups]
-    texts = [_text(ax, label, _shared(group)) for label, group in zip(labels, groups, strict=True)]
+    texts = [_text(ax, group) for group in groups]
     boxes = [text.get_window_extent() for text in texts]
     sizes = np.array([[box.width, box.height] for box in boxes])
     anchors = ax.transData.transform([[label.x, label.y] for label in labels])
@@ -103,14 +105,13 @@ def place_labels(
 
 
 def _merged(ax: Axes, labels: Sequence[Label], near: float) -> list[list[Label]]:
-    """The labels in groups: those of one look whose points are no farther than `near` pixels apart."""
+    """The labels in groups: those of one weight whose points are no farther than `near` pixels apart."""
     places = ax.transData.transform([[label.x, label.y] for label in labels])
     groups: list[list[int]] = []
     for i, label in enumerate(labels):
         for group in groups:
             first = labels[group[0]]
-            alike = (first.color, first.bold) == (label.color, label.bold)
-            if alike and np.hypot(*(places[i] - places[group[0]])) <= near:
+            if first.bold == label.bold and np.hypot(*(places[i] - places[group[0]])) <= near:
                 group.append(i)
                 break
         else:
@@ -134,13 +135,15 @@ def _shared(group: Sequence[Label]) -> str:
     return "; ".join(parts) + (f" + {len(group) - len(written)}" if len(group) > len(written) else "")
 
 
-def _text(ax: Axes, label: Label, words: str) -> Text:
+def _text(ax: Axes, group: Sequence[Label]) -> Text:
+    label, words = group[0], _shared(group)
+    color = label.color if len({each.color for each in group}) == 1 else MIXED
     text = ax.text(
         label.x,
         label.y,
         words,
         fontsize=FONT_SIZE,
-        color=label.color,
+        color=color,
         ha="center",
         va="center",
         fontweight="bold" if label.bold else "normal",

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from contwalk.errors import ContwalkError
 from contwalk.plotting.overlaps import Cover
 from contwalk.plotting.quantities import LONG, axis_label
-from contwalk.plotting.style import INK, PALETTE, dress, light, new_axes
+from contwalk.plotting.style import INK, PALETTE, dress, is_narrow, legend_beside, light, new_axes
 
 STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.4}
 UNSTABLE: dict[str, Any] = {"linestyle": "--", "linewidth": 1.0, "dashes": (4.5, 2.5)}
@@ -152,6 +152,9 @@ def _dress_depth(ax: Axes, label: str) -> None:
 
 def _legend(ax: Axes, handles: list[Line2D], own: bool) -> None:
     """Names beside the axes; long ones below them, where they take no width."""
+    if is_narrow(ax.figure.canvas.figure):
+        legend_beside(ax, handles, ncols=1)
+        return
     below = max(len(str(handle.get_label())) for handle in handles) > LONG
     ax.legend(
         handles=handles,

@@ -16,7 +16,7 @@ from contwalk.plotting.event_marks import MANY, mark_events
 from contwalk.plotting.machine import hide_cut, scenery
 from contwalk.plotting.playback import Playback
 from contwalk.plotting.slanted import tell
-from contwalk.plotting.style import INK, new_axes, new_grid, whole_title
+from contwalk.plotting.style import INK, asked_width, new_axes, new_grid, whole_title
 from contwalk.plotting.style import title as write_title
 from contwalk.system import System
 
@@ -246,7 +246,7 @@ def _fit(ax: Axes, above: float) -> None:
     aspect = (right - left) / (high - low)
     rows = [text.get_window_extent().width for text in ax.texts if text.get_gid() == "row"]
     beside = max(rows, default=0.0) / figure.dpi
-    width = min(max(HEIGHT * aspect + beside, NARROWEST), WIDEST)
+    width = asked_width() or min(max(HEIGHT * aspect + beside, NARROWEST), WIDEST)
     figure.set_size_inches(width, min((width - beside) / aspect, NARROWEST) + AROUND + above)
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from os import PathLike
 from pathlib import Path
+from shutil import which
 from typing import Any
+from weakref import WeakKeyDictionary
 from zlib import Z_RLE
 
 import matplotlib
@@ -29,6 +33,7 @@ DPI = 150
 # Width and height in inches. A journal's double column is 7.2 inches wide.
 PROPORTIONS = {
     "bifurcation_diagram": (7.2, 4.0),
+    "crowded_diagram": (9.0, 5.4),
     "eigenvalues": (6.4, 4.2),
     "multipliers": (5.8, 4.9),
     "multiplier_panels": (5.2, 4.1),
@@ -47,9 +52,52 @@ PROPORTIONS = {
     "tradeoff": (6.4, 4.2),
 }
 
+# What a journal gives to a figure, inches.
+WIDTHS = {"column": 3.4, "page": 7.2}
+# Legends below figures: the entries of each of their axes.
+_BELOW: WeakKeyDictionary[Figure, dict[Axes, dict[str, Any]]] = WeakKeyDictionary()
+_ASKED: ContextVar[float | None] = ContextVar("asked", default=None)
+
 # Type 42 keeps text in a PDF as text (journals demand it); a fixed salt makes equal figures equal files.
 _WRITING: dict[Any, Any] = {"pdf.fonttype": 42, "svg.hashsalt": "contwalk"}
-_UNDATED: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+_UNDATED: dict[str, dict[str, Any]] = {
+    ".png": {"metadata": {}},
+    ".svg": {"metadata": {"Date": None}},
+    ".pdf": {"metadata": {"CreationDate": None}},
+    ".pgf": {},
+}
+# What measures texts for PGF, the first that is there: those of Unicode before the one that is not.
+_TEX = ("lualatex", "xelatex", "pdflatex")
+
+
+@contextmanager
+def of_width(name: str | None) -> Iterator[None]:
+    """Within it new figures have a width of `WIDTHS`, and what text needs to stay as large as it is.
+
+    Narrower ones are less flat: their heights shrink with the root of their widths.
+    """
+    token = _ASKED.set(WIDTHS[name] if name else None)
+    try:
+        yield
+    finally:
+        _ASKED.reset(token)
+
+
+def asked_width() -> float | None:
+    """What `of_width` asks for, inches."""
+    return _ASKED.get()
+
+
+def size_of(kind: str, columns: int = 1) -> tuple[float, float]:
+    """Width and height of a panel of so many beside each other, inches."""
+    width, height = PROPORTIONS[kind]
+    asked = asked_width()
+    return (width, height) if asked is None else (asked / columns, height * (asked / columns / width) ** 0.5)
+
+
+def is_narrow(figure: Figure) -> bool:
+    """Whether a figure is of a column's width: nothing has room beside its axes."""
+    return bool(figure.get_size_inches()[0] <= WIDTHS["column"])
 
 
 def new_axes(kind: str, projection: str | None = None) -> Axes:
@@ -91,9 +139,12 @@ def new_grid(
 
     `heights` are those of the rows, in parts of each other; all are the same by default.
     """
+    asked = asked_width()
+    if asked is not None:  # as many as have room
+        columns = min(columns, max(1, int(asked // PROPORTIONS[kind][0])))
     rows = -(-number // columns)
     figure = _new_figure(kind, 1, projection)
-    width, height = PROPORTIONS[kind]
+    width, height = size_of(kind, columns)
     figure.set_size_inches(width * columns, height * rows)
     grid = figure.subplots(
         rows, columns, squeeze=False, subplot_kw={"projection": projection}, height_ratios=heights
@@ -112,7 +163,7 @@ def _new_figure(kind: str, panels: int, projection: str | None = None) -> Figure
             f"There is no figure named '{kind}'.",
             f"{nearest(kind, list(PROPORTIONS))} Known: {', '.join(PROPORTIONS)}.".strip(),
         )
-    width, height = PROPORTIONS[kind]
+    width, height = size_of(kind)
     figure = Figure(figsize=(width, height * (1 + (panels - 1) * 2 / 3)), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     # Vertical padding in inches; matplotlib's own lets a legend touch the edge.
@@ -145,6 +196,37 @@ def dress(ax: Axes, xlabel: str, ylabel: str) -> None:
         ax.spines[side].set(linewidth=0.7, color=INK)
 
 
+def legend_beside(ax: Axes, handles: Sequence[Any], **options: Any) -> None:
+    """A legend right of the axes, at their top, in place of one that is there; below them, in two columns,
+    where the figure is narrow. `options` are those of `Axes.legend`.
+    """
+    figure = ax.figure.canvas.figure
+    common = {"frameon": False, "fontsize": 8.5, "labelcolor": INK, **options}
+    if is_narrow(figure):
+        _legend_below(figure, ax, handles, {"ncols": 2, **common, "fontsize": 7.5})
+    else:
+        ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, **common)
+
+
+def _legend_below(figure: Figure, ax: Axes, handles: Sequence[Any], look: dict[str, Any]) -> None:
+    """One legend below all axes, with the entries of each, for which the figure becomes higher."""
+    entries = _BELOW.setdefault(figure, {})
+    labels = look.pop("labels", None) or [str(handle.get_label()) for handle in handles]
+    entries[ax] = dict(zip(labels, handles, strict=True))
+    for old in list(figure.legends):
+        figure.set_figheight(figure.get_figheight() - _height(old))
+        old.remove()
+    every = {label: handle for each in entries.values() for label, handle in each.items()}
+    legend = figure.legend([*every.values()], [*every], loc="outside lower left", **look)
+    figure.set_figheight(figure.get_figheight() + _height(legend))
+
+
+def _height(legend: Any) -> float:
+    """Inches that a legend takes, one line of text being its size and a quarter."""
+    lines = sum(str(text.get_text()).count("\n") + 1 for text in legend.get_texts())
+    return float(-(-lines // legend._ncols) * legend._fontsize * 1.25 / 72.0)
+
+
 def legend_above(ax: Axes, handles: list[Any], **options: Any) -> None:
     """A legend in two columns above the axes, on the left; `options` are those of `Axes.legend`."""
     ax.legend(
@@ -152,7 +234,7 @@ def legend_above(ax: Axes, handles: list[Any], **options: Any) -> None:
         loc="lower left",
         bbox_to_anchor=(0.0, 1.01),
         borderaxespad=0.0,
-        ncols=2,
+        ncols=1 if is_narrow(ax.figure.canvas.figure) else 2,
         frameon=False,
         fontsize=8.5,
         labelcolor=INK,
@@ -183,7 +265,9 @@ def check_format(path: Path) -> str:
 
 
 def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:
-    """Write a figure to a file: PNG (150 dpi), SVG or PDF, by the suffix of `path`.
+    """Write a figure to a file: PNG (150 dpi), SVG, PDF or PGF, by the suffix of `path`.
+
+    Text of PDF is in embedded fonts, of SVG in outlines; PGF is for LaTeX to typeset, which must be there.
 
     Parameters
     ----------
@@ -200,7 +284,7 @@ def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:
     Raises
     ------
     ContwalkError
-        For another suffix, or a path that cannot be written.
+        For another suffix, or a path that cannot be written; for PGF without LaTeX.
     """
     target = Path(path)
     suffix = check_format(target)
@@ -208,15 +292,34 @@ def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:
     if whole.get_layout_engine() is None:
         whole.set_layout_engine("constrained")
     try:
-        with matplotlib.rc_context(_WRITING), written(target) as stream:
+        with matplotlib.rc_context(_WRITING | _for_tex(suffix, target)), written(target) as stream:
             if type(whole.canvas) is FigureCanvasAgg and (suffix, whole.dpi) == (".png", DPI):
                 # as it stands; `savefig` would draw it once more before, for formats of other canvases
                 whole.canvas.print_png(stream, metadata={}, pil_kwargs={"compress_type": Z_RLE})
             else:
-                whole.savefig(stream, format=suffix[1:], dpi=DPI, metadata=_UNDATED[suffix])
+                whole.savefig(stream, format=suffix[1:], dpi=DPI, **_UNDATED[suffix])
     except OSError as error:
         raise ContwalkError(
             f"The figure cannot be written to {target}: {error.strerror or error}.",
             "Name a file in an existing folder that you may write to.",
         ) from error
     return target
+
+
+def _for_tex(suffix: str, target: Path) -> dict[Any, Any]:
+    """What matplotlib has to know to write for LaTeX.
+
+    Raises
+    ------
+    ContwalkError
+        If there is none.
+    """
+    if suffix != ".pgf":
+        return {}
+    found = next(filter(which, _TEX), None)
+    if found is None:
+        raise ContwalkError(
+            f"{target} cannot be written: LaTeX measures the texts of a PGF figure, and there is none.",
+            f"Install one of {', '.join(_TEX)}, or write SVG or PDF.",
+        )
+    return {"pgf.texsystem": found, "pgf.rcfonts": False, "axes.unicode_minus": found != _TEX[-1]}

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from contwalk.errors import ContwalkError
 from contwalk.plotting import quantities
 from contwalk.plotting.quantities import written
-from contwalk.plotting.style import GREY, INK, PALETTE, dress, new_axes, new_panels
+from contwalk.plotting.style import GREY, PALETTE, dress, legend_beside, new_axes, new_panels
 
 MOST_LINES = 40  # events of one kind beyond it are ticks at the lower edge: lines would cover the curves
 MOST_KINDS = 8  # kinds of events beyond it share one look: a legend of all would be taller than the axes
@@ -98,15 +98,7 @@ def plot_time_series_panels(
 
 
 def _legend(ax: Axes) -> None:
-    ax.legend(
-        loc="upper left",
-        bbox_to_anchor=(1.01, 1.0),
-        borderaxespad=0.0,
-        frameon=False,
-        fontsize=8.5,
-        labelcolor=INK,
-        handlelength=1.8,
-    )
+    legend_beside(ax, ax.get_legend_handles_labels()[0], handlelength=1.8)
 
 
 def _share_time(panels: Sequence[Axes]) -> None:

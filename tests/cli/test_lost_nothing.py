@@ -162,7 +162,7 @@ def test_a_run_can_be_looked_at_while_it_goes_on(contwalk, folder, monkeypatch):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ("{bifurcation_diagram: {file: a.gif}}", "the format .gif is not known. Allowed: .png, .svg, .pdf."),
+        ("{bifurcation_diagram: {file: a.gif}}", "the format .gif is not known. Allowed: .png, .svg, .pdf"),
         ("{bifurcation_diagram: {file: nowhere/a.png}}", "nowhere/a.png cannot be created: the directory"),
         ("{bifurcation_diagram: {file: " + 300 * "a" + ".png}}", "is too long for a file"),
     ],

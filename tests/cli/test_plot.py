@@ -84,7 +84,7 @@ def test_stability_map_finds_the_swept_parameter(contwalk, folder):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("-o", "x.gif"), ".png, .svg, .pdf"),
+        (("-o", "x.gif"), ".png, .svg, .pdf, .pgf"),
         (("-o", "nowhere/x.png"), "the directory nowhere does not exist"),
         (("-o", "x.png", "-y", "heigt"), "Did you mean 'height'?"),
         (("-o", "x.png", "--branch", "b9"), "has no branch 'b9'"),

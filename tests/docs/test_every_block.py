@@ -16,6 +16,7 @@ RUN = {
     "docs/coming_from/matcont.md": "docs/test_coming_from.py",
     "docs/coming_from/pydstool.md": "docs/test_coming_from.py",
     "docs/coming_from/xppaut.md": "docs/test_coming_from.py",
+    "docs/gallery.md": "docs/test_gallery.py",
     "docs/howto/clocks.md": "docs/test_howto_events.py",
     "docs/howto/conserved_energy.md": "docs/test_conserved_energy.py",
     "docs/howto/cookbook.md": "docs/test_cookbook.py",

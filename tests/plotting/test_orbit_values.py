@@ -108,7 +108,7 @@ def test_databases_without_extremes_are_drawn_as_they_are():
 
 def test_a_name_that_several_branches_have_tells_the_branch():
     ax = plot_bifurcation_diagram([cycles(name="b2"), cycles(name="b3"), hopf("b1")], y="x")
-    assert {"b2/PD1", "b3/PD1", "HB1"} <= set(words(ax)) | {w for t in words(ax) for w in t.split(", ")}
+    assert {"b2/PD1; b3/PD1", "HB1"} <= set(words(ax)) | {w for t in words(ax) for w in t.split(", ")}
     assert "PD1" not in words(ax)
 
 

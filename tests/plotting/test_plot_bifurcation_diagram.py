@@ -172,7 +172,7 @@ def test_markers_of_all_labels_differ():
     assert len(marks) == len(set(marks)) == 9
 
 
-def test_names_of_one_branch_at_one_place_share_a_text():
+def test_names_at_one_place_share_a_text():
     # There and back on the same curve, as along a mirror image; rows 10 and 30 are one point of the plane.
     mu = np.concatenate([np.linspace(0, 1, 21), np.linspace(1, 0, 21)[1:]])
     special = (SpecialPoint("UZ", 10.0), SpecialPoint("BP", 20.0), SpecialPoint("UZ", 30.0))
@@ -180,10 +180,13 @@ def test_names_of_one_branch_at_one_place_share_a_text():
     ax = plot_bifurcation_diagram([twice])
     assert sorted(words(ax)) == ["BP1", "UZ1, UZ2"]
     assert len(lines(ax, "b1-UZ")) == 2
-    # Another branch's name at the same place has its own colour, and stays.
+    # With another branch's name at the same place the text is of no branch's colour.
     other = branch({"mu": mu[:21], "x": mu[:21] ** 2}, special=special[:1], name="b2")
     ax = plot_bifurcation_diagram([twice, other])
-    assert sorted(set(words(ax)) - {"b1", "b2"}) == ["BP1", "b1/UZ1, UZ2", "b2/UZ1"]
+    assert sorted(set(words(ax)) - {"b1", "b2"}) == ["BP1", "b1/UZ1, UZ2; b2/UZ1"]
+    (shared,) = (text for text in ax.texts if ";" in text.get_text())
+    own = {text.get_color() for text in ax.texts if text.get_text() in ("b1", "b2")}
+    assert shared.get_color() not in own
     assert overlaps(ax) == []
 
 

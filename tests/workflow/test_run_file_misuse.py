@@ -65,7 +65,7 @@ APPENDED = [
             "key figures.1.machine.file",
             "'a.jpg' cannot be drawn",
             "format .jpg is not",
-            ".png, .svg, .pdf",
+            ".png, .svg, .pdf, .pgf",
         ],
     ),
     ("figures: [{machine: {file: plot}}]", ["line 8", "key figures.0.machine.file", "(no suffix)"]),

@@ -15,7 +15,7 @@ autodoc_member_order = "bysource"
 html_theme = "furo"
 html_title = f"contwalk {__version__}"
 html_copy_source = False
-html_show_sphinx = False
+html_show_sphinx = html_show_copyright = False
 exclude_patterns = ["files/**"]
 # Code in languages that Pygments does not know is shown as it is.
 suppress_warnings = ["misc.highlighting_failure"]

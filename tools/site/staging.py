@@ -10,6 +10,8 @@ import re
 import shutil
 from pathlib import Path
 
+from tools.gallery import PAGES
+
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 # Pages that lie elsewhere in the repository, and where they stand in the site.
@@ -44,7 +46,21 @@ def staged(where: Path) -> list[str]:
         text = (ROOT / name).read_text(encoding="utf-8")
         (where / place).parent.mkdir(parents=True, exist_ok=True)
         (where / place).write_text(_relinked(text, name, place, pages, where), encoding="utf-8")
+    _explored(where)
     return [place.with_suffix("").as_posix() for place in pages.values()]
+
+
+def _explored(where: Path) -> None:
+    """Pages of the explorer that `make gallery` has left, as downloads of the gallery."""
+    found = sorted(PAGES.glob("*.html"))
+    if found:
+        folder = where / "files/gallery"
+        folder.mkdir(parents=True, exist_ok=True)
+        for page in found:
+            shutil.copy(page, folder)
+        links = "".join(f"- [{page.stem}](files/gallery/{page.name})\n" for page in found)
+        with (where / "gallery.md").open("a", encoding="utf-8") as gallery:
+            gallery.write(f"\nThese pages, made with this site:\n\n{links}")
 
 
 def _relinked(text: str, name: str, place: Path, pages: dict[str, Path], where: Path) -> str:
