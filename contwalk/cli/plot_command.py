@@ -24,16 +24,17 @@ KINDS = (
     "chart",
     "machine",
     "margins",
+    "phase_plane",
     "phase_portrait",
     "stick_figure",
     "time_series",
 )
 MARGINS = "margins"
 # Those that are of stored points, and take --point.
-OF_POINTS = ("machine", "phase_portrait", "stick_figure", "time_series")
+OF_POINTS = ("machine", "phase_plane", "phase_portrait", "stick_figure", "time_series")
 # Those that compute something, and need the system.
 COMPUTED = (*OF_POINTS, "chart")
-WITH_AXES = ("bifurcation_diagram", "stability_map", "locus", "chart", "phase_portrait")
+WITH_AXES = ("bifurcation_diagram", "stability_map", "locus", "chart", "phase_plane", "phase_portrait")
 
 
 @click.command("plot")
@@ -146,7 +147,7 @@ def _check_options(kind: str, x: str | None, y: str | None, z: str | None, point
             f"--point belongs to --kind {', '.join(OF_POINTS[:-1])} and {OF_POINTS[-1]}, not to {kind}.",
             "Leave it out.",
         )
-    if len(points) > 1 and kind != "phase_portrait":
+    if len(points) > 1 and kind not in ("phase_plane", "phase_portrait"):
         what = "machine" if kind == "machine" else kind.replace("_", " ")
         raise ContwalkError(f"The {what} is drawn at one point.", "Give --point once.")
     if x and kind == "time_series":

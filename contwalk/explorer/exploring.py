@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from contwalk.errors import ContwalkError
 from contwalk.explorer.diagram import diagram_of
@@ -28,12 +28,18 @@ class Explored:
     missing: tuple[str, ...]
 
 
-def explore(db: str | Path | FileDatabase, trust: bool = False) -> str:
+class Found(Protocol):
+    """What a study in one call has found, as `cw.diagram` returns it."""
+
+    database: FileDatabase
+
+
+def explore(db: str | Path | FileDatabase | Found, trust: bool = False) -> str:
     """A database as a page of HTML: see `explored`.
 
     Parameters
     ----------
-    db : str, Path or FileDatabase
+    db : str, Path, FileDatabase or what `cw.diagram` returns
         A file, or a database that is open.
     trust : bool
         Whether code of a plugin file, or of a system that has changed, may run.
@@ -46,7 +52,7 @@ def explore(db: str | Path | FileDatabase, trust: bool = False) -> str:
     if isinstance(db, str | Path):
         with open_database(db, trust) as opened:
             return explored(opened, trust).page
-    return explored(db, trust).page
+    return explored(db if isinstance(db, FileDatabase) else db.database, trust).page
 
 
 def explored(

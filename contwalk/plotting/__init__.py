@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from contwalk.plotting.multiplier_moduli import plot_multiplier_moduli
     from contwalk.plotting.multipliers import plot_multiplier_panels, plot_multipliers
     from contwalk.plotting.phase_panels import Portrait, plot_phase_panels
+    from contwalk.plotting.phase_plane import plot_phase_plane
     from contwalk.plotting.phase_portrait import plot_phase_portrait
     from contwalk.plotting.quantities import units_of
     from contwalk.plotting.stability_map import plot_stability_map
@@ -57,6 +58,7 @@ __all__ = [
     "plot_multiplier_panels",
     "plot_multipliers",
     "plot_phase_panels",
+    "plot_phase_plane",
     "plot_phase_portrait",
     "plot_stability_map",
     "plot_stick_figure",
@@ -85,6 +87,7 @@ _MODULES = {
     "plot_multiplier_panels": "multipliers",
     "plot_multipliers": "multipliers",
     "plot_phase_panels": "phase_panels",
+    "plot_phase_plane": "phase_plane",
     "plot_phase_portrait": "phase_portrait",
     "plot_stability_map": "stability_map",
     "plot_stick_figure": "stick_figure",

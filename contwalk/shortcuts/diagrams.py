@@ -18,6 +18,7 @@ from contwalk.branch import Branch, SpecialPoint
 from contwalk.branch_words import table_of_branches, told_branch
 from contwalk.equations.loading import PREFIX, is_equations
 from contwalk.errors import ContwalkError, StartError
+from contwalk.figure_formats import FORMATS
 from contwalk.plugin_check.at_load import load_system
 from contwalk.storage import open_database
 from contwalk.storage.file_database import FileDatabase
@@ -29,8 +30,6 @@ from contwalk.workflow.runner import Reporter, run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_FIGURES = (".png", ".svg", ".pdf")
 
 
 def diagram(
@@ -308,13 +307,13 @@ class DiagramFound:
             If it cannot be written.
         """
         target = Path(path)
-        if target.suffix.lower() in _FIGURES:
+        if target.suffix.lower() in FORMATS:
             from contwalk.plotting import save
 
             return save(self.plot() if self._axes is None else self._axes, target)
         if target.suffix.lower() not in (".h5", ".hdf5"):
             raise ContwalkError(
-                f"'{target}' is neither a database nor a figure.", f"Allowed: .h5, {', '.join(_FIGURES)}."
+                f"'{target}' is neither a database nor a figure.", f"Allowed: .h5, {', '.join(FORMATS)}."
             )
         try:
             shutil.copyfile(self.path, target)

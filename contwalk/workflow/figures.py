@@ -118,6 +118,22 @@ def _chart(
     return plotting.plot_chart(branches, found, units=units, report=report)
 
 
+def _phase_plane(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
+    """The plane of two states at the parameters of the first point that is named, with the orbits of all."""
+    from contwalk import plotting
+    from contwalk.workflow.phase_plane import drawn_plane
+    from contwalk.workflow.stored.orbits import columns_of, orbit_at
+
+    names = [options.get(axis) or (*system.state_names, "")[k] for k, axis in enumerate("xy")]
+    points = options.get("points") or [(branches[0], 0)]
+    orbits = [orbit_at(system, *point) for point in points if point[0].info.problem in ORBITS]
+    plane = drawn_plane(system, points, names, [orbit.states for orbit in orbits])
+    curves = [columns_of(system, orbit, names) for orbit in orbits]
+    return plotting.plot_phase_plane(
+        plane, curves, stable=[orbit.stable for orbit in orbits], units=plotting.units_of(system)
+    )
+
+
 def _phase_portrait(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
     """Orbits of special points and ends, or of the points that are named, integrated once more."""
     from contwalk import plotting
@@ -232,6 +248,7 @@ def _start(branch: Branch) -> int:
 
 _OF_MACHINES: dict[str, Callable[[Sequence[Branch], System, Mapping[str, Any]], Any]] = {
     "machine": _machine,
+    "phase_plane": _phase_plane,
     "phase_portrait": _phase_portrait,
     "stick_figure": _stick_figure,
     "time_series": _time_series,

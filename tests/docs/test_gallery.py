@@ -13,7 +13,7 @@ PAGE = "docs/gallery.md"
 
 def test_the_pictures_are_there_and_small_enough_to_keep():
     assert len(gallery.pictures()) >= 10
-    assert len(blocks(PAGE, "console")) == 7
+    assert len(blocks(PAGE, "console")) == 8
     for name in gallery.pictures():
         assert 0 < (ROOT / "docs/images" / name).stat().st_size < 300_000
 

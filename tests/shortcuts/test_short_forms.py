@@ -68,6 +68,12 @@ def test_what_a_diagram_is(found, tmp_path):
         found.save(tmp_path / "x.txt")
 
 
+def test_a_diagram_is_a_page_too(found):
+    page = cw.explore(found)
+    assert page.lower().startswith("<!doctype html>")
+    assert page == cw.explore(found.database)
+
+
 def test_files_of_a_diagram_go_with_it():
     here = cw.diagram(brusselator, "B", (1, 1.5), diagram="none")
     folder = here.path.parent
