@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -49,31 +50,46 @@ def described(
 ) -> SpecialPoint:
     """The record of a located point, with its normal form."""
     there = located.problem if located.problem is not None else problem
-    z = located.z
-    try:
-        kind, criticality, coefficients, note = _form(there, point, located, sample)
-    except np.linalg.LinAlgError:
-        kind, criticality, coefficients = None, None, {}
-        note = "degenerate: the critical directions are not determined, so there is no normal form"
-    except NotFinite as error:
-        kind, criticality, coefficients = None, None, {}
-        note = f"there is no normal form: {error.sentence}"
+    kind, criticality, coefficients, note = with_reason(lambda: _form(there, point, located, sample))
     criticality, coefficients, note = _beside_kinks(sample, criticality, coefficients, note)
-    value, weight, asked = abs(float(z[-1])), float(sample.weights[-1]), problem.discretization.accuracy
+    value, weight = abs(float(located.z[-1])), float(sample.weights[-1])
+    asked = problem.discretization.accuracy
     if located.refined and located.error > allowed_error(asked, value, located.error, weight):
         share = f", {located.error / value:.1e} of the value" if value > 0.0 else ""
         known = f"known to {located.error:.1e}{share} only"
         limit = f"{known}: rounding does not allow the accuracy of {asked:g} that was asked for"
         note = limit if note is None else f"{note}; {limit}"
-    values = problem.values_of(z)
+    told = kind, criticality, coefficients, note
+    return replace(record(problem, there, located, sample, sample.eigenvalues, told), label=point.label, s=s)
+
+
+def with_reason(form: Callable[[], Form]) -> Form:
+    """A normal form, or why there is none."""
+    try:
+        return form()
+    except np.linalg.LinAlgError:
+        why = "degenerate: the critical directions are not determined, so there is no normal form"
+    except NotFinite as error:
+        why = f"there is no normal form: {error.sentence}"
+    return None, None, {}, why
+
+
+def record(
+    problem: Any, there: Any, located: Located, sample: Sample, values: np.ndarray, form: Form
+) -> SpecialPoint:
+    """The record, without label and place, of a point of a branch or a curve of orbits.
+
+    `there` is what it was located on, `values` are its multipliers, shape (m,).
+    """
+    z, spectrum = located.z, tuple(complex(v) for v in values)
+    kind, criticality, coefficients, note = form
     duration, (_, fold) = problem.duration(z), problem.whole
-    spectrum = tuple(complex(v) for v in sample.eigenvalues)
     state = there.reported(z) if sample.reported is None else sample.reported
     return SpecialPoint(
-        label=point.label,
-        s=s,
+        label="",
+        s=0.0,
         kind=kind,
-        parameters=values | {problem.free: float(z[-1])},
+        parameters=problem.values_of(z) | {problem.free: float(z[-1])},
         state=dict(zip(problem.system.state_names, state.tolist(), strict=True)),
         period=duration,
         period_full=duration * fold,
@@ -81,6 +97,7 @@ def described(
         spectrum_full=None if fold == 1 else tuple(v**fold for v in spectrum),
         trivial_error=sample.trivial_error if np.isfinite(sample.trivial_error) else None,
         error=located.error,
+        errors=dict(located.errors),
         criticality=criticality,
         coefficients=coefficients,
         note=note,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held, evaluated
 from contwalk.problems.locus.valued import BESIDE
-from contwalk.problems.orbit import normal_forms_of_codim_two
+from contwalk.problems.orbit import normal_forms_of_codim_two, point_records
 from contwalk.problems.orbit.augmented import Augmented, along
 from contwalk.problems.orbit.multipliers import GLOBAL
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -54,37 +55,18 @@ class OrbitLocusPoint(PointType):
 
     def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
-        there, z = problem if located.problem is None else located.problem, located.z
-        try:
+        there = problem if located.problem is None else located.problem
+
+        def form() -> point_records.Form:
             kind, coefficients, note = self.form(there, located, sample)
-        except np.linalg.LinAlgError:
-            kind, coefficients = None, {}
-            note = "degenerate: the critical directions are not determined, so there is no normal form"
-        except NotFinite as error:
-            kind, coefficients, note = None, {}, f"there is no normal form: {error.sentence}"
-        margins = None if there.limited is None else there.margins(z)
-        state = there.reported(z) if sample.reported is None else sample.reported
-        spectrum, (_, fold) = tuple(complex(v) for v in sample.spectrum), problem.whole
-        return SpecialPoint(
-            label=self.label,
-            s=s,
-            kind=kind,
-            parameters=problem.values_of(z),
-            state=dict(zip(problem.system.state_names, state.tolist(), strict=True)),
-            period=sample.period,
-            period_full=sample.period * fold,
-            spectrum=spectrum,
-            spectrum_full=None if fold == 1 else tuple(v**fold for v in spectrum),
-            trivial_error=sample.trivial_error if np.isfinite(sample.trivial_error) else None,
-            error=located.error,
-            errors=dict(located.errors),
-            coefficients=coefficients,
-            admissible=margins is None or margins.admissible,
-            margin={} if margins is None else margins.by_name,
-            note=note,
-            unknowns=tuple(z.tolist()),
-            tangent=tuple(sample.tangent.tolist()),
-        )
+            return kind, None, coefficients, note
+
+        told = point_records.with_reason(form)
+        record = point_records.record(there, there, located, sample, sample.spectrum, told)
+        if there.limited is not None:
+            margins = there.margins(located.z)
+            record = replace(record, admissible=margins.admissible, margin=margins.by_name)
+        return replace(record, label=self.label, s=s)
 
 
 FORMS: dict[str, Callable[[SectionMap], dict[str, Any]]] = {
