@@ -73,7 +73,7 @@ def pair_system(problem: OrbitData, near: Near, cosine: float, held: bool = Fals
 
     k is a further unknown; where it is `held` it keeps its value, and there is none.
     """
-    size, (rows, columns) = problem.size, scales.cycle_scales(problem)
+    size, (rows, columns) = problem.size, scales.cycle_scales(problem, near.weights)
     row, column = _borders(problem, near, cosine)
 
     def matrices(jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -121,7 +121,7 @@ def pair_system(problem: OrbitData, near: Near, cosine: float, held: bool = Fals
 
 def _borders(problem: OrbitData, near: Near, cosine: float) -> tuple[np.ndarray, np.ndarray]:
     """A row and a column, shape (N,) each, that make the bordered matrix regular near a place."""
-    rows, columns = scales.cycle_scales(problem)
+    rows, columns = scales.cycle_scales(problem, near.weights)
     jacobian = problem.jacobian(near.z)
 
     def vectors(multiplier: complex) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.problems.orbit import normal_forms, variations
+from contwalk.problems.orbit import normal_forms, scales, variations
 from contwalk.problems.orbit.augmented import Augmented, Near
 from contwalk.problems.orbit.critical_along import along_branch
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
@@ -48,7 +48,7 @@ class Fold(FlatFold):
 def fold_system(problem: OrbitData, near: Near) -> Augmented:
     """F_u singular, near a place."""
     size = problem.size
-    rows, columns = problem.equation_scales, near.weights[:size]
+    rows, columns = scales.equation_scales(problem, near.weights), near.weights[:size]
     b, c = critical_vectors(problem, problem.jacobian(near.z)[:, :size] / rows[:, None] * columns)
 
     def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:

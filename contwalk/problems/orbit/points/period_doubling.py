@@ -115,7 +115,7 @@ class SymmetryBreaking(_Flip):
 
 def flip_system(problem: OrbitData, near: Near) -> Augmented:
     """A multiplier at -1, near a place."""
-    size, (rows, columns) = problem.size, cycle_scales(problem)
+    size, (rows, columns) = problem.size, cycle_scales(problem, near.weights)
     start = variations.cycle_matrix(problem, problem.jacobian(near.z), -1.0)
     b, c = critical_vectors(problem, start / rows[:, None] * columns)
 
