@@ -30,7 +30,8 @@ def is_pole(
 ) -> bool:
     """Whether a function changes its sign between two places because it has a pole there.
 
-    The nearer to a pole, the larger it is; the nearer to a zero, the smaller.
+    The nearer to a pole, the larger it is; the nearer to a zero, the smaller. Where it has no value between
+    two places, as right beside a pole, what it becomes on the way there tells.
     """
     (low, high), beside = places, list(values)
     for _ in range(NARROWINGS):
@@ -38,6 +39,10 @@ def is_pole(
             return True
         tried = ((middle, value(middle)) for middle in (low + share * (high - low) for share in SHARES))
         middle, inside = next(((m, v) for m, v in tried if np.isfinite(v)), (low, float("nan")))
+        if not np.isfinite(inside):
+            aside = 0.5 * SHARES[0] * (high - low)
+            ends = zip((value(low + aside), value(high - aside)), beside, values, strict=True)
+            return all(max(abs(np.nan_to_num(v)), abs(known)) > abs(first) for v, known, first in ends)
         side = 0 if inside * beside[0] > 0.0 else 1
         if not abs(inside) > SHRUNK * abs(values[side]):
             return False
