@@ -310,7 +310,7 @@ def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 
             continue
         weights = branch.points["weights"][k][: len(a)]
         levels = [Level(n, sample.z[n], (a[n], b[n]), weights[n]) for n in range(-len(problem.line.names), 0)]
-        if problem.system.period is None and len(levels) == 1:
+        if problem.system.period is None:  # at a cusp of a curve in the plane both parameters turn
             levels.append(Level(None, period, (ta, tb), period))
         level = max(levels, key=lambda each: each.moved)
         if not level.passed:

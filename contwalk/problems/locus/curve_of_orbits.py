@@ -92,8 +92,7 @@ class CurveOfOrbits:
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state that stands for the orbit, shape (n,)."""
         there, own = self.plane.first(z)
-        found: np.ndarray = there.reported(own)
-        return found
+        return np.asarray(there.reported(own))
 
     def margins(self, z: np.ndarray) -> Any:
         """Values of all limits of the orbit at z, shape (N + k + 2,), which must have some."""
@@ -121,11 +120,20 @@ class CurveOfOrbits:
         there, own = self.plane.first(z)
         return float(there.duration(own))
 
+    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
+        """Derivatives of the duration by the unknowns of an orbit and the first parameter, as z is.
+
+        z has the shape (N + k + 2,).
+        """
+        there, own = self.plane.first(z)
+        gradient, found = there.duration_gradient(own), np.zeros(len(z))
+        found[: self.plane.size], found[-1] = gradient[:-1], gradient[-1]
+        return found
+
     def first_state(self, z: np.ndarray) -> np.ndarray:
         """The state at the start, shape (n,)."""
         there, own = self.plane.first(z)
-        found: np.ndarray = there.first_state(own)
-        return found
+        return np.asarray(there.first_state(own))
 
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray], error: float = 0.0) -> int | None:
         """Number of the first of some states that the orbit of z passes; None if it passes none.
@@ -157,10 +165,8 @@ class CurveOfOrbits:
 
         z, tangent and weights have the shape (N + k + 2,).
         """
-        there, own = self.plane.first(z)
-        gradient, n = there.duration_gradient(own), self.plane.size
-        rate = float(gradient[:n] @ tangent[:n] + gradient[-1] * tangent[-1])
-        return np.append(tangent[-2:] / weights[-2:], rate / there.duration(own))
+        rate = float(self.duration_gradient(z) @ tangent) / self.duration(z)
+        return np.append(tangent[-2:] / weights[-2:], rate)
 
     def mirror(self, sample: Sample) -> Mirror | None:
         """Both halves of a curve are walked."""
