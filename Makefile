@@ -115,7 +115,7 @@ bench: install-bench
 
 dist: install-dev
 	sh tools/install.sh $(VENV) dist
-	rm -rf dist build
+	rm -rf dist build/lib build/bdist*
 	@mkdir dist && $(BIN)/python -m build --no-isolation --outdir dist . >dist/log 2>&1 || { cat dist/log; exit 1; }
 	@rm dist/log && ls -l dist
 
