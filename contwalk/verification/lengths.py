@@ -97,7 +97,8 @@ class _Through:
                     each = [self._square(mode, *_between(begin, end, share), late) for share in QUARTERS]
                     sums += (end[0] - begin[0]) * (SIMPSON @ each) / 12.0
                 own = piece.derivative[:, 1 : 1 + len(own)] @ own
-            late, own = complex(leg.late @ own), leg.saltation @ own
+            late = late if leg.late is None else complex(leg.late @ own)
+            own = leg.jump @ own + leg.shift * late
         return (float(sums[0] / self.total), float(sums[1] / self.total)), late
 
     def _late(self, before: str, mode: str, at: _End) -> complex:

@@ -27,8 +27,8 @@ from contwalk.verification.stored_orbit import stored_orbit
 class Leg:
     """A leg as it was passed: its mode, the name of what ends it, its pieces, and the time at its start.
 
-    Of a deviation at its end, (n,), `saltation`, (n', n), makes that at the next one's start, and `late`,
-    (n,), how much later it comes to the event.
+    A deviation v at its end, (n,), that comes to the event later by d is `jump` v + `shift` d at the next
+    one's start, (n', n) and (n',). d is `late` v, or what it was before where the leg lasts no time: None.
     """
 
     mode: str
@@ -36,8 +36,17 @@ class Leg:
     pieces: list[Passage]
     start: float
     duration: float
-    saltation: np.ndarray
-    late: np.ndarray
+    jump: np.ndarray
+    shift: np.ndarray
+    late: np.ndarray | None
+
+    @property
+    def along(self) -> np.ndarray:
+        """What deviations at its start, (n,), have become at its end, shape (n, n)."""
+        whole = np.eye(len(self.pieces[0].end))
+        for piece in self.pieces:
+            whole = piece.derivative[:, 1 : 1 + len(whole)] @ whole
+        return whole
 
 
 class OrbitEquations(Equations):
@@ -62,8 +71,10 @@ class OrbitEquations(Equations):
         self.functions, self.info = Functions(system, Parameters(system, info)), info
         stored = info.settings
         legs = stored.get("legs") or [[system.modes[0].name, "", True]]
-        if any(len(leg) > 3 and leg[3] for leg in legs):
-            raise CannotTell("A leg of the orbit lasts no time.")
+        self.momentary = [len(leg) > 3 and bool(leg[3]) for leg in legs]
+        self.lasting_first = self.momentary.index(False)
+        if self.lasting_first and (info.settings.get("pins") or system.conserved):
+            raise CannotTell("A leg of no time begins an orbit along which a direction is held.")
         self.legs = [(str(mode), str(name)) for mode, name, *_ in legs]
         smooth = "legs" not in stored
         named = info.closure if smooth and info.closure not in (None, "full") else stored.get("image", "")
@@ -160,7 +171,7 @@ class OrbitEquations(Equations):
                 own += [piece.states[0] for piece in pieces]
                 times += [begin + (end - begin) * k / len(pieces) for k in range(len(pieces))]
             starts.append(np.array(own))
-            begins.append((np.array(times) - leg.start) / leg.duration)
+            begins.append((np.array(times) - leg.start) / (leg.duration or 1.0))
         tail = self.z[self.size - self.count - 1 : self.size]
         self._lay(starts, begins, tail[:-1], float(tail[-1]), self.free)
 
@@ -218,7 +229,6 @@ class _Assembly:
         self.drifts = slice(self.durations.start - len(orbit.drifts), self.durations.start)
         self.t, self.dt = float(z[orbit.size - 1]), np.eye(n)[orbit.size - 1]
         self.place = 0
-        self.monodromy = np.eye(len(orbit.first[0]))
 
     def leg(self, number: int) -> None:
         """Follow a leg, and write where its pieces end."""
@@ -246,19 +256,17 @@ class _Assembly:
             if last:
                 moved += np.outer(piece.rate, by_duration)
             self.t += lasts
-            self.monodromy = piece.derivative[:, 1 : 1 + n] @ self.monodromy
             if not last:
                 moved[:, self.place : self.place + n] -= np.eye(n)
                 self._write(piece.end - z[self.place : self.place + n], moved)
         self.dt = self.dt + by_duration
-        self.legs.append(Leg(mode, event, pieces, *begun, *self._ends(number, event, pieces[-1], moved)))
+        jump, shift, late = self._ends(number, event, pieces[-1], moved)
+        self.legs.append(Leg(mode, event, pieces, *begun, jump, shift, late))
 
     def _ends(
         self, number: int, event: str, piece: Passage, moved: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Write that a leg ends at its event, and where the next one begins; its saltation, and how late what
-        deviates is.
-        """
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Write that a leg ends at its event, and where the next one begins; what becomes of deviations."""
         orbit, functions = self.orbit, self.functions
         last = number == len(orbit.legs) - 1
         target = orbit.legs[0 if last else number + 1][0]
@@ -268,21 +276,24 @@ class _Assembly:
         )
         after, by = jump(self.t, piece.end, self.p)
         n = len(piece.end)
-        saltation, late = by[:, 1 : 1 + n], np.zeros(n)
+        by_x, shift = by[:, 1 : 1 + n], np.zeros(len(after))
+        late: np.ndarray | None = np.zeros(n)
         if transition is not None:
             value, slope = functions.guard(transition)(self.t, piece.end, self.p)
             row = slope[0, 1 : 1 + n] @ moved + slope[0, 0] * self.dt
             row[orbit.size :] += slope[0, 1 + n :]
-            self._write(value, row[None])
             rate = float(slope[0, 0] + slope[0, 1 : 1 + n] @ piece.rate)
+            with np.errstate(all="ignore"):
+                late = -slope[0, 1 : 1 + n] / rate
+            if orbit.momentary[number]:  # its guard is past zero where it begins
+                place = self.durations.start + number
+                late, value, row = None, self.z[place : place + 1], np.eye(len(self.z))[place]
+            self._write(value, row[None])
             time = float(self.z[orbit.size - 1]) if last else self.t  # an image is one of another time
             then = functions.field(target)(time, after, self.p)[0]
             then = then + orbit.drifting(target, after, self.p) @ self.z[self.drifts]
-            with np.errstate(all="ignore"):
-                late = -slope[0, 1 : 1 + n] / rate
-                saltation = saltation + np.outer(saltation @ piece.rate + by[:, 0] - then, late)
-        self.monodromy = saltation @ self.monodromy
-        following = by[:, 1 : 1 + n] @ moved + np.outer(by[:, 0], self.dt)
+            shift = by_x @ piece.rate + by[:, 0] - then
+        following = by_x @ moved + np.outer(by[:, 0], self.dt)
         following[:, orbit.size :] += by[:, 1 + n :]
         begin = 0 if last else self.place
         there = slice(begin, begin + len(after))
@@ -291,7 +302,7 @@ class _Assembly:
         if last:
             missed = missed - orbit.turns[list(functions.system.states_of(target))]
         self._write(missed, following)
-        return saltation, late
+        return by_x, shift, late
 
     def closed(self) -> None:
         """Write what holds the phase or the period, pins, and conserved quantities."""
@@ -337,6 +348,22 @@ class _Assembly:
                 )[0]
             self._write(value - known, row[None])
 
+    def _once_round(self) -> tuple[np.ndarray, np.ndarray]:
+        """What deviations at the start of the first leg that lasts, (n,), have become a closure later, and
+        the flow there.
+        """
+        first, functions = self.orbit.lasting_first, self.functions
+        begin = self.legs[first]
+        x = begin.pieces[0].states[0]
+        m, late = np.eye(len(x)), np.zeros(len(x))
+        with np.errstate(all="ignore"):
+            for leg in (*self.legs[first:], *self.legs[:first]):
+                ends = leg.along @ m
+                late = late if leg.late is None else leg.late @ ends
+                m = leg.jump @ ends + np.outer(leg.shift, late)
+        flow = functions.field(begin.mode)(begin.start, x, self.p)[0] if first else self.flow
+        return m, flow
+
     def _forced(self) -> tuple[float, np.ndarray]:
         """Duration of the closure of a forced orbit, and its derivatives (k,) by central differences."""
         orbit, free = self.orbit, self.z[self.orbit.size :]
@@ -349,7 +376,7 @@ class _Assembly:
 
     def evaluation(self) -> Evaluation:
         """All that was written."""
-        f, m = self.flow, self.monodromy
+        m, f = self._once_round()
         rights = [] if self.orbit.forced else [f]
         lefts = list(self.lefts)
         for v in self.pins:

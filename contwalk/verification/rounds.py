@@ -40,6 +40,8 @@ class Round:
             name not in functions.system.conserved_names for name in equations.info.settings.get("pins", ())
         ):
             raise CannotTell("Directions that are held have no return map that is recomputed.")
+        if equations.lasting_first:
+            raise CannotTell("The return map of an orbit that a leg of no time begins is not recomputed.")
         self.mode, n = equations.legs[0][0], len(equations.first[0])
         self.origin, self.start = at.z[:n], float(at.z[size - 1])
         self.free = at.z[size:]
@@ -119,7 +121,7 @@ class Round:
         target = equations.legs[0 if last else number + 1][0]
         (x, ends), t = self._flown(mode, t, x, duration, p), t + duration
         transition = functions.system.transition(event, ends) if event else None
-        if transition is not None:
+        if transition is not None and not equations.momentary[number]:
             guard, field = functions.guard(transition), functions.field(ends)
             for _ in range(12):
                 value, slope = guard(t, x, p)
