@@ -106,9 +106,18 @@ def _closed(system: System, branch: Branch) -> tuple[str, str]:
         or apart.max() <= SLACK * np.nan_to_num(branch.points["error"]).max() + COARSER * TIGHT
     ):
         return DISAGREES, "all its rows are one point to their errors"
-    step = abs(float(branch["s"][end] - branch["s"][end - 1 if end else 1]))
+    inner = end - 1 if end else 1
+    step = abs(float(branch["s"][end] - branch["s"][inner]))
     if first not in (0, len(branch) - 1) or apart[end] > 2.0 * step:
         return DISAGREES, "its last row is far from its start"
+    # The row before may be the start itself, where a special point is located there.
+    told, before = _in_ranges(branch), 2 if end == 0 else end - 2
+    if (told[first] - told[before]) @ (told[end] - told[before]) <= 0.0:
+        return DISAGREES, "its last step leads away from its start"
+    if np.any(np.abs(told[first] - told[end]) > 2.0 * np.abs(told[end] - told[before])):
+        raise CannotTell(
+            "its last state is far from its start: another solution, or the same begun elsewhere"
+        )
     start, last = equations_of(system, branch, first), equations_of(system, branch, end)
     if start.z.shape != last.z.shape:
         raise CannotTell("orbits at its two ends are not cut alike")
@@ -126,8 +135,17 @@ def _closed(system: System, branch: Branch) -> tuple[str, str]:
     differ, compared = np.abs(found.at.z - begin.at.z), np.ones(len(start.z), dtype=bool)
     if isinstance(start, OrbitEquations):  # the phase may be another one
         compared[: start.size - start.count - 1], compared[start.size - 1] = False, False
-    level = SLACK * (found.error + begin.error) + TIGHT * start.sizes
-    return _told(bool(np.all((differ <= level)[compared])), "it comes back elsewhere than to its start")
+    same = differ <= SLACK * (found.error + begin.error) + TIGHT * start.sizes
+    return _told(bool(same[compared].all()), "it comes back elsewhere than to its start")
+
+
+def _in_ranges(branch: Branch) -> np.ndarray:
+    """Parameters, state and period of all rows, (rows, m), each in its range over the branch."""
+    points = branch.points
+    told = np.column_stack([points["free"], points["state"], points["period"]])
+    ranges = np.ptp(told, axis=0)
+    moves = ranges > ROUGH * np.abs(told).max(axis=0)  # what is not a number is none of it
+    return np.asarray(told[:, moves] / ranges[moves])
 
 
 def _comes_apart(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str]:

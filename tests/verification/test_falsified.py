@@ -112,3 +112,13 @@ def test_multipliers_that_mean_nothing_are_not_agreed_with(studies):
     (point,) = labelled(branch, "PD")
     (found,) = verdicts(system, branch, replace(point, trivial_error=0.77))
     assert (found.verdict, "off by 0.77" in found.reason) == (CANNOT_TELL, True)
+
+
+def test_a_branch_that_has_just_begun_is_not_closed(studies):
+    """Newton's method goes back from its last row to its start, which is near, but behind it."""
+    system, (branch,) = studies[2]
+    (end,) = labelled(branch, "EP")
+    assert end.kind == "closed"
+    short = replace(branch, points=branch.points[:3])
+    (found,) = verdicts(system, short, replace(end, index=2, s=short.points["s"][-1]))
+    assert (found.verdict, found.reason) == (DISAGREES, "its last step leads away from its start")
