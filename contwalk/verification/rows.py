@@ -16,7 +16,7 @@ from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, 
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import COARSER, TIGHT
 from contwalk.verification.records import equations_of, of_orbits
-from contwalk.verification.solving import ROUGH, Condition, Held, Sheet, Solution, solved
+from contwalk.verification.solving import ROUGH, Condition, Held, NotThere, Sheet, Solution, solved
 
 # How many eigenvalues are at the border all along a curve.
 CRITICAL = {"LP": 1, "BP": 1, "PD": 1, "HB": 2, "NS": 2}
@@ -33,6 +33,8 @@ def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
             equations = Unfolded(equations)
         sheet = Sheet(equations, _tolerance(branch, row))
         found = solved(sheet, _conditions(branch, row, equations, sheet))
+    except NotThere as failure:
+        return [_lost(begun, branch, row, equations, failure)]
     except CannotTell as reason:
         return [replace(begun, reason=str(reason))]
     result = [_solution(begun, branch, row, equations, found, sheet.rounding(found.at))]
@@ -86,6 +88,15 @@ def along_curve(branch: Branch, row: int, equations: Equations) -> np.ndarray:
     sizes = equations.sizes[equations.size :]
     tangent = branch.points["tangent"][row][: len(branch.unknowns(row))][[-1, -2]] / sizes
     return np.asarray(tangent / np.linalg.norm(tangent) / sizes)
+
+
+def _lost(begun: Finding, branch: Branch, row: int, equations: Equations, failure: NotThere) -> Finding:
+    """A row to which Newton's method does not come back: its first step says how far it would be."""
+    which, scale = _compared(branch, row, equations)
+    away, noise = (float(np.linalg.norm(step[which] / scale)) for step in (failure.first, failure.noise))
+    if away > SLACK * (float(branch.points[row]["error"]) + noise):
+        return replace(begun, verdict=DISAGREES, reason="no solution is near it")
+    return replace(begun, reason=str(failure))
 
 
 def _solution(
