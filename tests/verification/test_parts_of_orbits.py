@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from peers.machines.relay_feedback import PEER, SYSTEM
+from peers.running import run_study
 from small_systems import labelled, small_system
 
 import contwalk as cw
@@ -58,4 +60,14 @@ def test_an_orbit_that_closes_but_for_a_drift_agrees():
     assert not labelled(branch, "PD")
     found = checked(system, records_of([branch]), {"mu": (0.2, 1.0)}, math.inf)
     assert found
+    assert {each.verdict for each in found} == {AGREES}, found
+
+
+def test_an_orbit_that_a_leg_of_no_time_begins_agrees(tmp_path):
+    """Relay feedback that crosses and slides: the output comes back to zero where it has left it already."""
+    (study,) = PEER.studies
+    branches = run_study("relay_feedback", study, tmp_path).branches
+    assert any(leg[3] for branch in branches for leg in branch.info.settings["legs"] if len(leg) > 3)
+    found = checked(SYSTEM, records_of(branches), {"zeta": tuple(study.run["continue"]["range"])}, math.inf)
+    assert len(found) > 20
     assert {each.verdict for each in found} == {AGREES}, found
