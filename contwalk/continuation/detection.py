@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise, product
+from operator import attrgetter
 
 import numpy as np
 
@@ -61,6 +62,10 @@ CRITICAL_ALL_ALONG = 1e-6
 CRITICAL = 1e-2
 
 
+# A key that sorts points along the branch.
+_place = attrgetter("theta")
+
+
 def bifurcations(segment: Segment) -> list[Found]:
     """All bifurcations on a segment, in their order.
 
@@ -95,7 +100,8 @@ def _in_order(segment: Segment) -> list[Found]:
     knots, found = knots_of(segment, first)
     for low, high in pairwise(knots):
         found += _crossings(segment, low, high, first)
-    return _counted(segment, sorted(found, key=lambda f: f.theta), [segment.at(t).unstable for t in knots])
+    found = _counted(segment, sorted(found, key=_place), [segment.at(t).unstable for t in knots])
+    return sorted([*found, *_around(segment, found)], key=_place) if found else []
 
 
 def _in_three_parts(segment: Segment, hidden: Disagreement, theta: float) -> list[Found]:
@@ -112,12 +118,31 @@ def _in_three_parts(segment: Segment, hidden: Disagreement, theta: float) -> lis
     low, high = finer.sides
     if [segment.at(side).unstable for side in finer.sides] != [finer.part.a.unstable, finer.part.b.unstable]:
         raise hidden
-    parts = [finer]
-    if low > 0.0:
-        parts.insert(0, Subsegment(segment.until(low), (0.0, low)))
-    if high < 1.0:
-        parts.append(Subsegment(segment.since(high), (high, 1.0)))
-    return [replace(part.placed(f), counted=True) for part in parts for f in _in_order(part.part)]
+    return _within([finer, *_parts(segment, [0.0, low, high, 1.0])])
+
+
+def _around(segment: Segment, found: list[Found]) -> list[Found]:
+    """What passes twice between points that are found, and beside them: the segment's ends do not tell it.
+
+    Within what a solution is known to, the steps of a segment see a point elsewhere than where it is located.
+    """
+    apart, a, b = segment.beside(BESIDE), segment.a.unstable, segment.b.unstable
+    places = [0.0, *(f.theta + way for f in found for way in (-apart, apart)), 1.0]
+    counts = dict(zip(places, [a, *(count for f in found for count in (f.before, f.after)), b], strict=True))
+    parts = _parts(segment, places)
+    return _within([p for p in parts if all(segment.at(side).unstable == counts[side] for side in p.sides)])
+
+
+def _parts(segment: Segment, places: list[float]) -> list[Subsegment]:
+    """Parts of a segment, from every second place to the next one."""
+    sides = zip(places[::2], places[1::2], strict=True)
+    return [Subsegment(segment.between(*each), each) for each in sides if each[0] < each[1]]
+
+
+def _within(parts: list[Subsegment]) -> list[Found]:
+    """All bifurcations on parts of a segment, with counts, by their place on the whole one."""
+    placed = (part.placed(f) for part in parts for f in _in_order(part.part))
+    return sorted((replace(f, counted=True) for f in placed), key=_place)
 
 
 def _check_apart(segment: Segment, found: list[Found]) -> None:
@@ -181,7 +206,7 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
                 (turning_or_pair if jump % 2 else pair)(segment.problem),
                 "The number of eigenvalues that cross does not agree with the points found.",
             )
-        between = split(segment, low, high, sorted(found, key=lambda f: f.theta))
+        between = split(segment, low, high, sorted(found, key=_place))
     if between:
         return [f for part in pairwise((low, *between, high)) for f in _crossings(segment, *part, known)]
     return found

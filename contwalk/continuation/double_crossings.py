@@ -106,9 +106,20 @@ def _extrema(
             for which in _same_side(begin[1], end[1], there):
                 yield Measure(segment, which), theta, False
         for low, high in pairwise((begin, *(place for place in inside if not place[1].undecided), end)):
-            for measure in (Measure(segment, which) for which in _same_side(low[1], high[1])):
-                if (found := extremum(measure, low, high)) is not None:
-                    yield measure, *found
+            for which in _same_side(low[1], high[1]):
+                yield from _nearest(segment, which, low, high)
+    for _, there in ends[1:-1]:  # a pair that is not known from zero there tells nothing on either side
+        for which in _same_side(segment.a, segment.b, there):
+            if there.eigenvalues[which].imag != 0.0:
+                yield from _nearest(segment, which, ends[0], ends[-1])
+
+
+def _nearest(
+    segment: Segment, which: int, low: Placed, high: Placed
+) -> Iterator[tuple[Measure, float, bool]]:
+    """A measure, where it comes nearest to zero between two solutions, and whether it is beyond by then."""
+    found = extremum(measure := Measure(segment, which), low, high)
+    yield from () if found is None else [(measure, *found)]
 
 
 def _between_one_and_minus_one(segment: Segment) -> float | None:

@@ -87,7 +87,7 @@ def up_to_end(segment: Segment) -> Segment | None:
     passed = [which for which in range(len(first)) if first[which] < 0.0 < last[which]]
     found = [theta for which in passed if (theta := _zero(segment, which)) is not None]
     theta = min(found, default=0.0)
-    return segment.until(theta) if theta > LEAST else None
+    return segment.between(0.0, theta) if theta > LEAST else None
 
 
 def _zero(segment: Segment, which: int) -> float | None:

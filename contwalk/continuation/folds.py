@@ -23,6 +23,7 @@ from contwalk.continuation.locating import (
 )
 from contwalk.continuation.segment import Segment
 from contwalk.numerics.bracketing import zero_of
+from contwalk.numerics.linear import EPSILON, norm_in
 from contwalk.problems.problem import Located, PointType, Sample, Test
 
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
@@ -186,13 +187,17 @@ def counts_at(sample: Sample, located: bool = False, crossing: float = 0.0) -> r
     values = sample.eigenvalues
     sizes = np.abs(sample.beyond(values) if crossing else values - sample.critical)
     known = sample.spectrum_accuracy if located else sample.spectrum_error
-    rounding = 100.0 * np.maximum(sample.errors, known or 0.0) + 1e-9 * sizes.max(initial=0.0)
+    rates = sample.rates.values
+    off = 1e-11 * sizes.max(initial=0.0)
+    if not located and rates is not None:  # what the place is rounded to moves them
+        off = EPSILON * norm_in(sample.z, sample.weights) * np.abs(rates)
+    rounding = 100.0 * (np.maximum(sample.errors, known or 0.0) + off)
     vanish = sizes <= np.maximum(rounding, sizes.min(initial=np.inf) if located else 0.0)
     low, doubtful = int(np.count_nonzero((sample.measures > 0.0) & ~vanish)), int(np.count_nonzero(vanish))
     if crossing and not doubtful:
         return range(len(values) + 1)
-    if crossing and sample.rates.values is not None:
-        moved = crossing * sample.rates.values[vanish]
+    if crossing and rates is not None:
+        moved = crossing * rates[vanish]
         moves = np.abs(moved) > rounding[vanish]
         low, doubtful = low + int(np.count_nonzero(moves & (moved > 0.0))), int(np.count_nonzero(~moves))
     return range(low, low + doubtful + 1)

@@ -264,7 +264,8 @@ def _by_digits(own: Indicator, theta: float) -> list[Found]:
         if point is not None and point.located.refined:
             found[segment.position(point.located.z)] = point
     begin, end = min(found, default=0.0), max(found, default=0.0)
-    if not end - begin > rounded:
+    known = sum(float(point.located.error) for point in found.values())
+    if not end - begin > rounded + known / max(abs(float(segment.chord[-1])), 1e-300):
         return [undecided(own, theta, error)]
     outside, inside = segment.a.unstable, own.beyond()
     return [

@@ -118,15 +118,10 @@ class Segment(HermiteCurve):
         tangent = self.tangent(linearization)
         return found.problem.examine(found.z, tangent, self.weights, linearization, None)
 
-    def until(self, theta: float) -> Segment:
-        """The part of the segment before theta."""
-        there = self.at(theta)
-        return Segment(self.problem, self.a, there)
-
-    def since(self, theta: float) -> Segment:
-        """The part of the segment behind theta."""
-        there = self.at(theta)
-        return Segment(self.problem, there, self.b)
+    def between(self, low: float, high: float) -> Segment:
+        """The part of the segment between two positions."""
+        a, b = self.at(low), self.at(high)
+        return Segment(self.problem, a, b)
 
     def distance(self, z: np.ndarray, theta: float) -> float:
         """Distance of z from the solution at theta, relative to the length of the segment.

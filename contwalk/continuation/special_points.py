@@ -60,7 +60,7 @@ def everything_before(
         if share <= 0.0:
             break
         try:
-            part = segment.until(share)
+            part = segment.between(0.0, share)
             found = everything(part, settings, observer, born)
         except LostBranch:
             if less == nearer[-1]:

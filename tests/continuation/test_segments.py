@@ -64,7 +64,7 @@ def test_distance_is_relative_to_the_length():
 
 def test_a_part_ends_where_it_is_told():
     segment = arc(0.0, 0.4)
-    part = segment.until(0.5)
+    part = segment.between(0.0, 0.5)
     assert part.a is segment.a
     assert part.b is segment.at(0.5)
     assert part.length < segment.length

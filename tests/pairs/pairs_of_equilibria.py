@@ -214,6 +214,43 @@ def fold_beside_hopf(draw: Draw) -> Case:
     return _case(draw, rates, [first, 0.0, 0.0], found, draw.place(side * 0.1))
 
 
+def fold_beside_two_hopf_points(draw: Draw) -> Case:
+    """Along a parabola q = y^2 a pair passes at c - h, and back at c + h; c is h to 100 h."""
+    half = 0.5 * draw.distance
+    centre = half * float(draw.sign * 10.0 ** draw.rng.uniform(0.1, 2.0))
+    side, way = (float(each) for each in draw.rng.choice([-1.0, 1.0], 2))
+    rate, speed, slope = (float(each) for each in draw.rng.uniform(0.5, 2.0, 3))
+
+    def rates(y: list[Any], lam: Any) -> list[Any]:
+        apart = y[0] - centre
+        g = way * slope * (half * half - apart * apart) - y[1] ** 2 - y[2] ** 2
+        return [
+            rate * (side * draw.part(lam) - y[0] ** 2),
+            g * y[1] - speed * y[2],
+            speed * y[1] + g * y[2],
+        ]
+
+    first = math.sqrt(0.1) * float(draw.rng.choice([-1.0, 1.0]))
+    places = [("LP", 0.0), ("HB", centre - half), ("HB", centre + half)]
+    found = [Crossing(label, draw.place(side * place * place)) for label, place in places]
+    return _case(draw, rates, [first, 0.0, 0.0], found, draw.place(side * 0.1))
+
+
+def branch_point_beside_two_hopf_points(draw: Draw) -> Case:
+    """A real eigenvalue passes zero; beside it, within 100 times their distance, a pair passes twice."""
+    dip, speed = draw.dip(), float(draw.rng.uniform(0.5, 2.0))
+    slope = float(draw.rng.uniform(0.3, 3.0) * draw.rng.choice([-1.0, 1.0]))
+    farther = min(10.0 ** draw.rng.uniform(0.1, 2.0), 0.3 / draw.distance)
+    aside = 0.5 * draw.distance * float(draw.rng.choice([-1.0, 1.0]) * farther)
+
+    def own(y: list[Any], q: Any) -> list[Any]:
+        g = dip(q) - y[1] ** 2 - y[2] ** 2
+        turning = [g * y[1] - speed * y[2], speed * y[1] + g * y[2]]
+        return [slope * (q - aside) * y[0] - y[0] ** 3, *turning]
+
+    return _still(draw, own, 3, (*draw.beside("HB"), Crossing("BP", draw.place(aside))))
+
+
 EQUILIBRIA = {
     "BP BP": two_branch_points,
     "HB HB": two_hopf_points,
@@ -224,6 +261,8 @@ EQUILIBRIA = {
     "LP LP": two_folds,
     "LP BP": fold_beside_branch_point,
     "LP HB": fold_beside_hopf,
+    "LP HB HB": fold_beside_two_hopf_points,
+    "BP HB HB": branch_point_beside_two_hopf_points,
     "UZ UZ": two_marked_values,
 }
 # Those that may as well come as near and not cross.
