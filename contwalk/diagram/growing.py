@@ -150,11 +150,11 @@ def _counted(state: ContinuationState, seed: Seed, point: SpecialPoint) -> Conti
     At the point itself its multiplier is one. Beside it, where a cycle explodes, it may differ from one by
     less than it is known to.
     """
-    # Of points that one multiplier passes only doublings and pitchforks have a criticality.
+    # Doublings and pitchforks have a criticality, which one multiplier passes, and Hopf points, which a pair.
     before, after = point.unstable_before, point.unstable_after
     if seed.problem.meshed is None or seed.tangent is None or point.criticality is None:
         return state
-    if before is None or after is None or abs(after - before) != 1:
+    if before is None or after is None or abs(after - before) not in (1, 2):
         return state
     least = min(before, after)
     count = least + (point.criticality == "subcritical")

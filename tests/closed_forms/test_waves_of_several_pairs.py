@@ -7,8 +7,11 @@ mu / (1 + b - c). With c = 0 any phase will do: a family.
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from small_systems import labelled, small_system
 
 import contwalk as cw
@@ -59,11 +62,12 @@ def ring(count, k=0.1):
     return field
 
 
-def walked(field, count, begin=-0.1, end=LAST, points=400) -> list[Branch]:
+def walked(field, count, begin=-0.1, end=LAST, points=400, start=None) -> list[Branch]:
     system = small_system(field, [f"x{i}" for i in range(count)], {"mu": begin})
     settings = Settings(range=(begin, end), max_points=points)
     steps = cw.Discretization(accuracy=1e-8)
-    opening = opened(system, {"mu": begin}, "mu", np.zeros(count), settings, discretization=steps)
+    rest = np.zeros(count) if start is None else start
+    opening = opened(system, {"mu": begin}, "mu", rest, settings, discretization=steps)
     made = Diagram(
         [Start(system, "mu", {"mu": begin}, opening, "start")], Plan(settings, frozenset({"HB"}), 1)
     )
@@ -114,6 +118,54 @@ def test_what_could_be_declared_is_named_and_waves_that_need_it_are_not_followed
     rotating = [each for each in sizes if np.ptp(each) < 1e-6]
     assert len(rotating) == 1  # that the other way round is its image
     assert rotating[0] == pytest.approx(np.full(3, np.sqrt(0.5 - 0.3)), abs=1e-6)
+
+
+def with_memory(t, x, p, dx):
+    """Three kinds that live on the same, with a memory of themselves; two pairs pass at mu = 1/2."""
+    total = x[0] + x[2] + x[4]
+    for i in range(3):
+        a, m = x[2 * i], x[2 * i + 1]
+        dx[2 * i] = 4.0 * a * (1.0 - (1.0 - p.mu) * m - 0.5 * p.mu * (total - a))
+        dx[2 * i + 1] = a - m
+
+
+def test_a_wave_that_leaves_almost_straight_up_neither_turns_nor_changes_its_stability() -> None:
+    """The parameter moves by 1e-9 there, with the steps' errors, and a multiplier is as near to one."""
+    rest, wave = walked(with_memory, 6, 0.3, 0.6, start=np.ones(6))
+    assert [p.parameters["mu"] for p in labelled(rest, "HB")] == pytest.approx([0.5, 0.5], abs=1e-14)
+    assert wave.outcome.reason == "bound", wave.outcome
+    assert [p.label for p in wave.special_points] == ["EP"]
+    assert not wave["unstable"].any()
+    state, period = wave.points["state"][-1], wave["period"][-1]
+
+    def rates(t, x):
+        result = np.zeros(6)
+        with_memory(t, x, SimpleNamespace(mu=0.6), result)
+        return result
+
+    there = solve_ivp(rates, (0.0, period), state, method="DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
+    assert there == pytest.approx(state, abs=1e-6)
+
+
+def test_waves_of_pairs_that_pass_together_are_found_in_any_units() -> None:
+    """What makes both pass together is no symmetry of these states; a cycle is as large as orders fall."""
+    units = np.array([0.0507, 2.4, 0.0189, 0.0031, 0.0041, 0.243])
+
+    def field(t, x, p, dx):
+        given = [float(unit) * value for unit, value in zip(units, x, strict=True)]
+        rates = [0.0] * 6
+        with_memory(t, given, p, rates)
+        for i, unit in enumerate(units):
+            dx[i] = rates[i] / float(unit)
+
+    rest, *waves = walked(field, 6, 0.3, 0.6, start=1.0 / units)
+    assert [p.parameters["mu"] for p in labelled(rest, "HB")] == pytest.approx([0.5, 0.5], abs=1e-14)
+    assert "2 vertical to the third order" in labelled(rest, "HB")[0].note
+    for wave in waves:
+        assert wave.outcome.reason == "bound", wave.outcome
+        assert [p.label for p in wave.special_points] == ["EP"]
+        assert np.ptp(units * wave.points["state"][-1]) > 0.1
+    assert len(waves) == 2
 
 
 def test_permutations_of_a_field_are_found() -> None:

@@ -92,8 +92,8 @@ def test_nor_along_orbits_with_events():
 def test_a_small_multiplier_is_known_better_than_a_large_one():
     """Where the parameter stands still the family's own is 1 to its own error, not to that of 1e32."""
     values, errors = np.array([1e32, 0.65], dtype=complex), np.array([1e20, 1e-11])
-    found = Multipliers(values, errors, 1e30, accuracies=np.array([1e30, 1e-3])).beside(0.0)
+    found = Multipliers(values, errors, 1e30, accuracies=np.array([1e30, 1e-3])).standing(0.0)
     assert (found.errors[1], found.unstable(2)) == (1e-11, 1)
     nearly = values + np.array([0.0, 0.3505])
-    own = Multipliers(nearly, errors, 1e30, accuracies=np.array([1e30, 1e-3])).beside(0.0)
+    own = Multipliers(nearly, errors, 1e30, accuracies=np.array([1e30, 1e-3])).standing(0.0)
     assert (own.errors[1], own.unstable(2)) == (1e-3, 2)  # it counts as beside

@@ -26,12 +26,6 @@ UNKNOWN = 0.3
 LITTLE = 1e-6
 # Two multipliers whose product is one but for this are a pair; where errors leave more, nothing tells them.
 PAIRED, TELLING = 1e-7, 1e-2
-# With a smaller share of the parameter in its tangent a family keeps it, as well as orbits are known.
-STILL = 1e-7
-# Noise of it is up to so many times what a solution is not known to in the metric, and never more than this.
-OFTEN, FAINT = 10.0, 1e-3
-# The family's own multiplier is that near to one, in units of what it is known to.
-SAFELY = 3.0
 # No size is smaller.
 LEAST = 1e-300
 
@@ -103,34 +97,15 @@ class Multipliers:
         errors, first = np.maximum(self.errors, error), float(np.max(np.ravel(error)[:1], initial=0.0))
         return replace(self, errors=errors, accuracy=max(self.accuracy, first), accuracies=each)
 
-    def beside(
-        self, share: float, value: float = np.inf, error: float = 0.0, trivial: float = 0.0
-    ) -> Multipliers:
-        """The same on a family along which the parameter has this share of the unit tangent.
+    def standing(self, trivial: float) -> Multipliers:
+        """The same on a family along which the parameter stands still, as far as orbits are known.
 
-        Where the parameter stands still one multiplier is 1, the family's own: what it differs by is errors
-        of the steps, and so is what share there is. It counts as at the neighbouring point. Of a parameter
-        that is zero more than rounding is noise: beside a birth at another value so much tells how the
-        branch goes.
-
-        Parameters
-        ----------
-        share : float
-        value : float
-            Of the parameter, in the metric.
-        error : float
-            Of the solution in the metric: so much, about, of both is noise.
-        trivial : float
-            What the flow's own multiplier differs from 1 by.
+        There one multiplier is 1, the family's own: what it differs by is errors of the steps. It counts as
+        at the neighbouring point. The flow's own one differs from 1 by `trivial`.
         """
-        noise = min(OFTEN * error, FAINT)
-        zero = abs(value) <= noise
-        if abs(share) > (max(STILL, noise) if zero else STILL):
-            return self
-        known = self.accuracy if self.accuracies is None else self.accuracies
-        known = np.maximum(known, 2.0 * trivial) if zero else np.asarray(known)
-        off = np.abs(self.values - 1.0)
-        own = (off <= (SAFELY if zero else 1.0) * known) & (self.values.imag == 0.0)
+        off, trivial = np.abs(self.values - 1.0), 2.0 * float(np.nan_to_num(trivial, posinf=0.0))
+        known = np.maximum(self.accuracy if self.accuracies is None else self.accuracies, trivial)
+        own = (off <= known) & (self.values.imag == 0.0)
         errors = np.where(own, np.maximum(self.errors, np.maximum(known, off)), self.errors)
         # It is one: by what it differs from that, others may be wrong as well.
         worst = float(np.max(off[own], initial=self.accuracy))

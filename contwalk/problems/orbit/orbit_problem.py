@@ -46,10 +46,9 @@ from contwalk.problems.orbit.orbit_section import into_section
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.orbit.points.point import OrbitPoint
 from contwalk.problems.orbit.protocol import OrbitKind
-from contwalk.problems.orbit.section import Section
-from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
+from contwalk.problems.unbounded import KNOWN
 
 
 class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
@@ -59,6 +58,10 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
     beginnings = metric.beginnings
     mirror = mirror.mirror_of
     reported = reporting.reported
+    adapted, adapted_to = remesh.adapted, remesh.adapted_to
+    sizes_since, into_section = sizes_since, into_section
+    motion_of, slow_places = motion.motion, motion.slow_places
+    locate, locate_mark = augmented.located, augmented.observed
     kept_directions = kept_directions
     doubled_from, unfolded_from = switching.doubled, switching.unfolded
     asymmetries, returned_to_parent = asymmetry.of_moving, termination.returned_to_parent
@@ -116,8 +119,8 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         found = monodromy.doubted(sharp, self.multipliers(z, jacobian), trivial, sharply)
         errors = equations.errors(self, linearization)
         orientation, error = linearization.orientation_and_error(unit, weights, errors)
-        share, value = float(unit[-1] / weights[-1]), float(z[-1] / weights[-1])
-        found = found.beside(share, value, *np.nan_to_num([error, trivial], posinf=0.0))
+        if self._stands_still(unit / weights**2, weights, linearization, errors, error):
+            found = found.standing(trivial)
         met = kinks_along(self, z) if known is None else known.kinks
         refuse(met)
         # The flow's own multiplier is one exactly: what it misses by, the others may.
@@ -149,21 +152,24 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
             **told,
         )
 
+    def _stands_still(
+        self, row: np.ndarray, weights: np.ndarray, equations: Linearization, errors: np.ndarray, error: float
+    ) -> bool:
+        """Whether the parameter's share of the unit tangent is nothing but errors of the equations.
+
+        These, of shape (N,), turn a branch by about as much as they move it: they change over the size of its
+        solutions. `error` is what they do to this one, which is known to its size at least. The tangent's row
+        of the bordered system and the weights have the shape (N + 1,).
+        """
+        share = abs(float(row[-1] * weights[-1])) / KNOWN
+        known = share <= error < 1.0
+        return known and share * weights[-1] <= equations.parameter_error(row, weights, errors)
+
     @abstractmethod
     def _watched(
         self, z: np.ndarray, found: Multipliers, error: float, known: Sample | None
     ) -> dict[str, Any]:
         """What a sample tells of one kind of orbits only."""
-
-    def sizes_since(self, sample: Sample, begun: Sample) -> np.ndarray:
-        """What weights of the metric grow with, shape (N + 1,), on a branch that began elsewhere."""
-        return sizes_since(self, sample, begun)
-
-    def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """A tangent moved along the flow until it lies in the section of an orbit without events: the same
-        change of the orbit. All have the shape (N + 1,).
-        """
-        return into_section(self, z, tangent)
 
     # -- what is told of it ------------------------------------------------------------------------------
 
@@ -182,17 +188,6 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         there, own = self.explicit(z)
         return there.known.at("stretches", own, self.most_views, lambda: motion.stretches(there, own))
 
-    def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The motion: times in seconds, shape (k,), and states, shape (k, n); both sides of each event."""
-        return motion.motion(self, z)
-
-    def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
-        """Where the orbit is slower than beside, and the field there; the slowest place first.
-
-        z has the shape (N + 1,).
-        """
-        return motion.slow_places(self, z)
-
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
         return np.array(observing.values(self, z, found))
@@ -202,23 +197,6 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         return observing.value(self, name, z)
 
     # -- discretisations ---------------------------------------------------------------------------------
-
-    def adapted(self, sample: Sample) -> tuple[Self, Sample]:
-        """The problem on steps made for a solution, and the solution's sample on it."""
-        return remesh.adapted(self, sample)
-
-    def adapted_to(
-        self,
-        z: np.ndarray,
-        weights: np.ndarray,
-        tolerance: float | None = None,
-        section: Section | None = None,
-    ) -> Self:
-        """The problem on steps for the orbit of z, as `remesh.adapted_to` has it, and raises `NotFinite`.
-
-        z and weights have the shape (N + 1,).
-        """
-        return remesh.adapted_to(self, z, weights, tolerance, section)
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Self:
         """The problem discretised for a solution that is taken up again.
@@ -242,10 +220,6 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         """
         return self.refined(z, weights, FINEST)
 
-    def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
-        """The special point of a kind near a sample, by its augmented system."""
-        return augmented.located(self, kind, sample, which)
-
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point of a kind, with its normal form."""
         return point_records.described(self, kind, located, sample, s)
@@ -261,10 +235,6 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         """The branches that leave a special point of a kind."""
         z = np.array(point.unknowns)
         return kind.branches(self.finely(z), z, point)
-
-    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
-        """The point near a sample at which an observable has the value `level`."""
-        return augmented.observed(self, name, level, sample)
 
     def rate(self, name: str, sample: Sample) -> float:
         """Derivative of an observable along the branch."""

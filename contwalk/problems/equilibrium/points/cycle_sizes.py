@@ -44,7 +44,7 @@ class CycleSizes:
         self._space = critical_space(self._a, self._omega)
         chosen = self._space.right[:, 0] if right is None else right
         self.right = chosen / np.linalg.norm(chosen)
-        self._square = _square_per_change(point) if right is None else self._own_square()
+        self._square = 0.0 if right is None and point.criticality is None else self._square_per_change()
         self._first = 2.0 * np.abs(self.right)
         scales = declared_scales(equilibrium.system.states)
         units = np.where(np.isfinite(scales), scales, 1.0)
@@ -55,8 +55,8 @@ class CycleSizes:
         self._shift = np.abs(equilibrium.solve_states(z, jacobian[:n, -1]))
         self._inverses = [self._inverse(k) for k in range(HARMONICS + 1)]
 
-    def _own_square(self) -> float:
-        """As `_square_per_change`, of the vector that was given."""
+    def _square_per_change(self) -> float:
+        """rho^2 per change of the parameter: rate / (omega |l1|); 0 where l1 is zero to its error."""
         found = lyapunov(self._equilibrium, self._z, self._omega, self.right)
         rate = abs(self._equilibrium.crossing_rate(self._z, self.right, found.left))
         known = abs(found.l1) > NOISE * found.size
@@ -78,11 +78,11 @@ class CycleSizes:
 
     def __call__(self, change: float) -> np.ndarray:
         """Half of what each state moves by, or what its mean does, shape (n,): positive."""
-        wanted = np.sqrt(self._square * change) if self._square > 0.0 else 0.5
+        wanted = np.sqrt(self._square * change) if self._square > 0.0 else self._farthest()
         rho = wanted
         while (moved := self._moved(rho)) is None and rho > wanted * 0.5**HALVINGS:
             rho *= 0.5
-        if self._square == 0.0:  # as far as the orders fall
+        if self._square == 0.0:
             wanted = rho
         # What is found of a smaller amplitude follows with its square at least.
         higher = np.zeros(len(self._first)) if moved is None else moved * (wanted / rho) ** 2
@@ -90,6 +90,11 @@ class CycleSizes:
         still = 1e-12 * np.abs(self._z[: len(sizes)])
         least = np.maximum(wanted * self._faint, still)
         return np.where(sizes > 0.0, np.maximum(sizes, still), least)
+
+    def _farthest(self) -> float:
+        """An amplitude beyond which orders do not fall; one half where they always do, or do not there."""
+        amplitudes = 0.5 * 2.0 ** np.arange(HALVINGS)
+        return next((rho for rho in amplitudes.tolist() if self._moved(2.0 * rho) is None), 0.5)
 
     def _moved(self, rho: float) -> np.ndarray | None:
         """What each state moves by on the cycle of an amplitude; None where the orders do not fall."""
@@ -133,17 +138,6 @@ class CycleSizes:
                 return None
             fields.append(field)
         return np.array(fields)
-
-
-def _square_per_change(point: SpecialPoint) -> float:
-    """rho^2 per change of the parameter: rate / (omega |l1|); 0 where the normal form does not tell: l1 is
-    zero to its error, or has no value.
-    """
-    if point.criticality is None:
-        return 0.0
-    omega, l1 = float(point.coefficients["omega"]), abs(float(point.coefficients["l1"]))
-    rate = abs(float(point.coefficients["crossing_rate"]))
-    return rate / (omega * l1)
 
 
 def _inverse_of(matrix: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ Anal. 3, 295); sigma is zero, and the wanted real part where that is marked.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from contwalk.numerics.linear import EPSILON, nearest_eigenpair
 from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems.equilibrium.defining_systems import dot, solve
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
-from contwalk.problems.equilibrium.normal_forms import SURE, rounded
+from contwalk.problems.equilibrium.normal_forms import ROUNDINGS, SURE, rounded
 from contwalk.problems.equilibrium.points.lyapunov import lyapunov
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.equilibrium.points.several_waves import waves_at
@@ -73,9 +73,8 @@ class Hopf(EquilibriumPoint):
 
     def seeds(self, problem: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
         """The cycle that is born."""
-        from contwalk.problems.equilibrium.points.hopf_to_orbit import (
-            from_hopf,  # compiled flows, where they are wanted
-        )
+        # Compiled flows, where they are wanted.
+        from contwalk.problems.equilibrium.points.hopf_to_orbit import from_hopf
 
         seeds = from_hopf(problem, point)
         if not problem.system.has_events:
@@ -122,7 +121,10 @@ def hopf(problem: EquilibriumEquations, sample: Sample, which: int, shift: float
         own = ImaginaryPair(abs(float(w)), v if w > 0 else np.conj(v))
         return Located(z, float(found.errors[size]), own, found.refined)
 
-    return solve(system, np.concatenate([sample.z, start.real, start.imag, [omega]]), described)
+    begun = np.concatenate([sample.z, start.real, start.imag, [omega]])
+    # Where pairs pass together, with one frequency, the vector may turn among theirs.
+    turning = replace(system, deficient=size + 1)
+    return solve(system, begun, described) or solve(turning, begun, described)
 
 
 class _Equations:
@@ -209,17 +211,19 @@ def hopf_coefficients(
     """First Lyapunov coefficient with its estimated error, and how fast the pair crosses.
 
     The weights have the shape (N + 1,), a critical vector (n,), where there are several. The error is how far
-    l1 moves while the solution moves by roundings of its own and of its weights, and a rounding of the terms
-    that l1 is the sum of: where all of them are imaginary, as in a conservative machine, their real parts are
-    rounding.
+    l1 moves while the solution moves by roundings of its own and of its weights, and some roundings of the
+    terms that l1 is the sum of: where all of them are imaginary, as in a conservative machine, their real
+    parts are rounding.
     """
     omega, q = located.data.omega, located.data.right if along is None else along
     q = q / np.linalg.norm(q)
     here = lyapunov(problem, located.z, omega, q)
     moved = [lyapunov(problem, z, omega, q).l1 for z in rounded(located.z, weights)]
+    # Of the vectors by their condition: several that pass together are known no better.
+    known = ROUNDINGS * EPSILON * float(np.linalg.norm(here.left) * np.linalg.norm(q))
     return {
         "l1": here.l1,
-        "l1_error": max(abs(value - here.l1) for value in moved) + EPSILON * here.size,
+        "l1_error": max(abs(value - here.l1) for value in moved) + known * here.size,
         "omega": omega,
         "crossing_rate": problem.crossing_rate(located.z, q, here.left),
         "convention": "Kuznetsov 2004, eq. 5.34: l1 = Re(c1)/omega with <q,q> = 1, <p,q> = 1",
