@@ -32,7 +32,7 @@ def told(branch: Branch, point: SpecialPoint, equations: Equations, found: Solut
 
 def _meaningless(branch: Branch, point: SpecialPoint, found: Solution, unit: bool) -> str:
     """Why multipliers say nothing: where those that are known are wrong, or none is known to a digit."""
-    if not unit or point.label == "LP":
+    if not unit:
         return ""
     row = branch.points[point.index]
     trivial = max(
@@ -40,7 +40,8 @@ def _meaningless(branch: Branch, point: SpecialPoint, found: Solution, unit: boo
         np.nan_to_num(row["trivial_error"]),
         found.at.trivial,
     )
-    if trivial > NO_DIGIT:
+    # A fold is where the parameter turns, whatever the multipliers are known to.
+    if trivial > NO_DIGIT and point.label != "LP":
         return f"the trivial multiplier is off by {trivial:.2g}, so that the others say nothing"
     leading = max(abs(complex(row["spectrum"][0])), 1.0)
     # Of a double one the sum and the product, which are what is compared, are known all the same.
