@@ -56,8 +56,6 @@ NEAR_REAL = 1e-5
 NEARLY = 0.5
 # Two points of one kind on a segment are this far from each other, in parts of it.
 DISTINCT = 1e-3
-# A measure that is critical at both ends of a segment longer than this is so all along.
-CRITICAL_ALL_ALONG = 1e-6
 # What an eigenvalue that is critical at a point is there, against what it is beside it.
 CRITICAL = 1e-2
 
@@ -165,30 +163,6 @@ def _check_apart(segment: Segment, found: list[Found]) -> None:
         near = SAME_POINT if again else DISTINCT * segment.length if Test.TURN in tests else 0.0
         if np.linalg.norm(apart / segment.weights) < near:
             raise Disagreement(other.type, f"What two tests see is one point {other.type.label}.")
-
-
-def at_the_end(segment: Segment) -> list[Found]:
-    """A bifurcation that the end of a segment itself is, where a walk stops and cannot look beyond it."""
-    b = segment.b
-    critical = np.flatnonzero(np.abs(b.measures) <= 10.0 * b.errors)
-    if not len(critical):
-        return []
-    which = int(critical[0])
-    a, longer = segment.a, segment.length > CRITICAL_ALL_ALONG
-    if longer and which < len(a.measures) and abs(a.measures[which]) <= 10.0 * a.errors[which]:
-        return []  # it is critical all along, as where a pair stays on the axis
-    if segment.problem.diagnosis.many_branches(b.z):
-        kind = kind_of_test(segment.problem, Test.ORIENTATION)
-    else:
-        kind = crossed(segment.problem, b, which) or kind_of_test(segment.problem, Test.TURN)
-    located = kind.locate(segment.problem, b, which)
-    settled = located.settled() if located is not None and kind.test is not Test.TURN else None
-    if settled is None or np.linalg.norm((settled.z - b.z) / segment.weights) > SAME_POINT:
-        return []
-    # Beyond the end nothing is computed; the way the eigenvalue moves tells the count there.
-    before = segment.a.unstable
-    after = before + max(kind.changes) * int(np.nan_to_num(np.sign(b.rates[which])))
-    return [Found(1.0, kind, settled, b, before, max(after, 0))]
 
 
 def _crossings(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:

@@ -8,6 +8,10 @@ image, and nothing lies beyond.
 
 from __future__ import annotations
 
+from contextlib import suppress
+from itertools import pairwise
+from typing import Any
+
 import numpy as np
 
 from contwalk.continuation import outcomes
@@ -33,6 +37,8 @@ CLOSED, BESIDE = 1e-5, 1e-2
 FOUND_AGAIN = 1e-6
 # What tells points at which another branch crosses.
 CROSSINGS = (Test.ORIENTATION, Test.TOGETHER)
+# Where a segment of a curve in two parameters is asked whether it comes nearer, and how far beside.
+PLACES, ASIDE = (0.0, 0.25, 0.5, 0.75, 1.0), 1e-3
 
 
 def back_at_parent(
@@ -109,29 +115,35 @@ def place_of_closure(segment: Segment, found: list[Found], origin: Sample) -> fl
 def _comes_back(segment: Segment, origin: Sample) -> float | None:
     """Where a segment of orbits, which begin anywhere on themselves, passes a given one.
 
-    That is told by the parameter; of curves in two parameters, both of which may turn there, by these and the
-    period along the segment.
+    That is told by the parameter; of curves in two parameters, both of which may turn there, by where these
+    and the period come nearest to it.
     """
-    a, b, weights, plane = segment.a, segment.b, segment.weights[-2:], segment.problem.line.second is not None
-    value, weight = origin.parameter, weights[-1]
-    first, last = (a.parameter - value) / weight, (b.parameter - value) / weight
-    way = last - first
-
-    def beyond(sample: Sample) -> float:
-        moved, ahead = ((p.z[-2:] - q.z[-2:]) / weights for p, q in ((b, a), (sample, origin)))
-        later = (sample.period / origin.period - 1.0) * (b.period - a.period) / origin.period
-        return float(moved @ ahead + later) if plane else (sample.parameter - value) / weight * way
-
-    first, last = (beyond(a), beyond(b)) if plane else (first * way, last * way)
-    passed = last >= 0.0 and first < -1e-11 * (last - first) ** 0.5  # met at its end, it is the step's
-    if not passed or (not plane and way * origin.tangent[-1] < 0.0):
+    plane, value = segment.problem.line.second is not None, origin.parameter
+    problem: Any = segment.problem
+    way = segment.b.parameter - segment.a.parameter
+    if not plane and way * origin.tangent[-1] < 0.0:
         return None
-    try:
-        theta = 1.0 if last == 0.0 else zero_of(lambda t: beyond(segment.at(t)), 0.0, 1.0)
-        back = theta is not None and segment.problem.equivalence.same(origin, segment.at(theta))
-        return theta if back else None
-    except LostBranch:
-        return None
+
+    def apart(theta: float) -> np.ndarray:
+        z = segment.guess(theta)
+        return np.append(
+            (z - origin.z)[-2:] / segment.weights[-2:], problem.duration(z) / origin.period - 1.0
+        )
+
+    def beyond(theta: float) -> float:
+        if not plane:
+            return (segment.at(theta).parameter - value) * way
+        return float(apart(theta) @ (apart(theta + ASIDE) - apart(theta - ASIDE)))
+
+    rounded = 0.0 if plane else 1e-11 * abs(way) * segment.weights[-1]
+    known = [(theta, beyond(theta)) for theta in (PLACES if plane else (0.0, 1.0))]
+    with suppress(LostBranch):
+        for (low, first), (high, last) in pairwise(known):
+            passed = last >= 0.0 and first < -rounded  # met at its end, it is the step's
+            theta = (high if last == 0.0 else zero_of(beyond, low, high)) if passed else None
+            if theta is not None and problem.equivalence.same(origin, segment.at(theta)):
+                return theta
+    return None
 
 
 def _finds_again(segment: Segment, found: list[Found], origin: Sample) -> float | None:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from contwalk.continuation.detection import bifurcations
+from contwalk.continuation.kinds import crossed, kind_of_test
 from contwalk.continuation.locating import SAME_POINT, Found
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.segment import LostBranch, Segment
@@ -24,6 +27,9 @@ VANISHES = "orbits are not found so near to where a segment between two events v
 CROSSED = "orbits are hardly known so near to where another curve of them crosses"
 # What tells points at which the branch itself may turn.
 TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
+
+# A measure that is critical at both ends of a segment longer than this is so all along.
+CRITICAL_ALL_ALONG = 1e-6
 
 
 def everything(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
@@ -113,3 +119,27 @@ def _counted_as_followed(limit: Found, count: int) -> Found:
     own = f"unstable at the point itself are {limit.sample.unstable}, on the branch before it {count}"
     note = "; ".join(each for each in (limit.note, f"{own}, which are counted") if each)
     return replace(limit, sample=sample, note=note)
+
+
+def at_the_end(segment: Segment) -> list[Found]:
+    """A bifurcation that the end of a segment itself is, where a walk stops and cannot look beyond it."""
+    b = segment.b
+    critical = np.flatnonzero(np.abs(b.measures) <= 10.0 * b.errors)
+    if not len(critical):
+        return []
+    which = int(critical[0])
+    a, longer = segment.a, segment.length > CRITICAL_ALL_ALONG
+    if longer and which < len(a.measures) and abs(a.measures[which]) <= 10.0 * a.errors[which]:
+        return []  # it is critical all along, as where a pair stays on the axis
+    if segment.problem.diagnosis.many_branches(b.z):
+        kind = kind_of_test(segment.problem, Test.ORIENTATION)
+    else:
+        kind = crossed(segment.problem, b, which) or kind_of_test(segment.problem, Test.TURN)
+    located = kind.locate(segment.problem, b, which)
+    settled = located.settled() if located is not None and kind.test is not Test.TURN else None
+    if settled is None or np.linalg.norm((settled.z - b.z) / segment.weights) > SAME_POINT:
+        return []
+    # Beyond the end nothing is computed; the way the eigenvalue moves tells the count there.
+    before = segment.a.unstable
+    after = before + max(kind.changes) * int(np.nan_to_num(np.sign(b.rates[which])))
+    return [Found(1.0, kind, settled, b, before, max(after, 0))]

@@ -18,7 +18,6 @@ from contwalk.continuation.attempt import (
     towards_a_bound,
 )
 from contwalk.continuation.correction import Explanation, text_of
-from contwalk.continuation.detection import at_the_end
 from contwalk.continuation.ends import edge_reached, end_ahead, up_to_end
 from contwalk.continuation.folds import at_branch_point
 from contwalk.continuation.locating import SAME_POINT, WELL_BEYOND, Disagreement, Found, unlocated
@@ -26,7 +25,13 @@ from contwalk.continuation.marks import Observer
 from contwalk.continuation.returns import back_at_parent
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.special_points import COINCIDE, everything, everything_before, with_counts
+from contwalk.continuation.special_points import (
+    COINCIDE,
+    at_the_end,
+    everything,
+    everything_before,
+    with_counts,
+)
 from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.problem import Linearization, Problem, Sample, Test

@@ -12,8 +12,9 @@ from small_systems import small_problem
 
 import contwalk as cw
 from contwalk.continuation import detection
-from contwalk.continuation.detection import _check_apart, at_the_end, bifurcations
+from contwalk.continuation.detection import _check_apart, bifurcations
 from contwalk.continuation.locating import Disagreement, Subsegment
+from contwalk.continuation.special_points import at_the_end
 
 
 def told(found):

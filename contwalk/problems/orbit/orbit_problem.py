@@ -62,6 +62,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
     sizes_since, into_section = sizes_since, into_section
     motion_of, slow_places = motion.motion, motion.slow_places
     locate, locate_mark = augmented.located, augmented.observed
+    observable, rate, tangent_at = observing.value, rates.of_observable, branching.tangent_through
     kept_directions = kept_directions
     doubled_from, unfolded_from = switching.doubled, switching.unfolded
     asymmetries, returned_to_parent = asymmetry.of_moving, termination.returned_to_parent
@@ -192,10 +193,6 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         """Values of `observable_names`, shape (o,)."""
         return np.array(observing.values(self, z, found))
 
-    def observable(self, name: str, z: np.ndarray) -> float:
-        """The value of one observable. z has the shape (N + 1,)."""
-        return observing.value(self, name, z)
-
     # -- discretisations ---------------------------------------------------------------------------------
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Self:
@@ -235,11 +232,3 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         """The branches that leave a special point of a kind."""
         z = np.array(point.unknowns)
         return kind.branches(self.finely(z), z, point)
-
-    def rate(self, name: str, sample: Sample) -> float:
-        """Derivative of an observable along the branch."""
-        return rates.of_observable(self, name, sample)
-
-    def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
-        """At a branch point, the tangent of the branch that `near` is on. Shape (N + 1,)."""
-        return branching.tangent_through(self, located, near)
