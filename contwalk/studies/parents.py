@@ -7,6 +7,8 @@ parent, which nobody has followed.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
@@ -32,7 +34,7 @@ def parent_of(problem: Problem, point: SpecialPoint, settings: Settings) -> Open
     if not isinstance(problem, OrbitProblem):
         return None
     z = np.array(point.unknowns)
-    there = problem.finely(z)
+    there: Any = problem.finely(z)
     part: tuple[OrbitProblem, np.ndarray] | None = (
         _least_eventful(there, z) if isinstance(there, HybridOrbit) else _least_smooth(there, z)
     )

@@ -33,6 +33,9 @@ def watching(tell: Callable[[str], None], after: float = 30.0, every: float = 1.
         yield
     finally:
         done.set()
+        # What it has looked at is let go by then: one that is ended with the process, while it lets go of an
+        # object of h5py, keeps that library's lock, for which the process would wait for ever.
+        thread.join()
 
 
 def on_stderr(line: str) -> None:

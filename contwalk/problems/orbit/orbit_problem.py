@@ -47,7 +47,7 @@ from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.orbit.points.point import OrbitPoint
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.stretch import Stretch
-from contwalk.problems.problem import Linearization, Located, Sample, Seed
+from contwalk.problems.problem import Linearization, Sample, Seed
 from contwalk.problems.unbounded import KNOWN
 
 
@@ -61,7 +61,8 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
     adapted, adapted_to = remesh.adapted, remesh.adapted_to
     sizes_since, into_section = sizes_since, into_section
     motion_of, slow_places = motion.motion, motion.slow_places
-    locate, locate_mark = augmented.located, augmented.observed
+    locate, locate_mark, special_point = augmented.located, augmented.observed, point_records.described
+    finely = discretized
     observable, rate, tangent_at = observing.value, rates.of_observable, branching.tangent_through
     kept_directions = kept_directions
     doubled_from, unfolded_from = switching.doubled, switching.unfolded
@@ -216,17 +217,6 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitEquations):
         z and weights have the shape (N + 1,).
         """
         return self.refined(z, weights, FINEST)
-
-    def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of a located point of a kind, with its normal form."""
-        return point_records.described(self, kind, located, sample, s)
-
-    def finely(self, z: np.ndarray) -> Any:
-        """The problem on fine steps for a stored solution, which may have other segments.
-
-        z has the shape (N + 1,).
-        """
-        return discretized(self, z)
 
     def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point of a kind."""

@@ -46,11 +46,11 @@ Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
 
 def described(
-    problem: OrbitData, point: OrbitKind, located: Located, sample: Sample, s: float
+    problem: OrbitData, kind: OrbitKind, located: Located, sample: Sample, s: float
 ) -> SpecialPoint:
     """The record of a located point, with its normal form."""
     there = located.problem if located.problem is not None else problem
-    kind, criticality, coefficients, note = with_reason(lambda: _form(there, point, located, sample))
+    variant, criticality, coefficients, note = with_reason(lambda: _form(there, kind, located, sample))
     criticality, coefficients, note = _beside_kinks(sample, criticality, coefficients, note)
     value, weight = abs(float(located.z[-1])), float(sample.weights[-1])
     asked = problem.discretization.accuracy
@@ -59,8 +59,8 @@ def described(
         known = f"known to {located.error:.1e}{share} only"
         limit = f"{known}: rounding does not allow the accuracy of {asked:g} that was asked for"
         note = limit if note is None else f"{note}; {limit}"
-    told = kind, criticality, coefficients, note
-    return replace(record(problem, there, located, sample, sample.eigenvalues, told), label=point.label, s=s)
+    told = variant, criticality, coefficients, note
+    return replace(record(problem, there, located, sample, sample.eigenvalues, told), label=kind.label, s=s)
 
 
 def with_reason(form: Callable[[], Form]) -> Form:

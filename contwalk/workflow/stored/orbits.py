@@ -253,7 +253,8 @@ def _segments(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tupl
     for before, after in pairwise(times):  # both sides of an event have one time, to the last bit
         after[0] = before[-1]
     breaks = np.cumsum([len(t) for t in times])[:-1]
-    return np.concatenate(times), np.concatenate(states), tuple(breaks.tolist()), np.concatenate(there)
+    risen = np.maximum.accumulate(np.concatenate(times))  # two that are one but for rounding may fall by that
+    return risen, np.concatenate(states), tuple(breaks.tolist()), np.concatenate(there)
 
 
 def columns_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:

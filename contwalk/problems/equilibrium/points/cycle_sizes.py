@@ -44,7 +44,7 @@ class CycleSizes:
         self._space = critical_space(self._a, self._omega)
         chosen = self._space.right[:, 0] if right is None else right
         self.right = chosen / np.linalg.norm(chosen)
-        self._square = 0.0 if right is None and point.criticality is None else self._square_per_change()
+        self._square = _square_per_change(point) if right is None else self._own_square()
         self._first = 2.0 * np.abs(self.right)
         scales = declared_scales(equilibrium.system.states)
         units = np.where(np.isfinite(scales), scales, 1.0)
@@ -55,8 +55,8 @@ class CycleSizes:
         self._shift = np.abs(equilibrium.solve_states(z, jacobian[:n, -1]))
         self._inverses = [self._inverse(k) for k in range(HARMONICS + 1)]
 
-    def _square_per_change(self) -> float:
-        """rho^2 per change of the parameter: rate / (omega |l1|); 0 where l1 is zero to its error."""
+    def _own_square(self) -> float:
+        """As `_square_per_change`, of the vector that was given."""
         found = lyapunov(self._equilibrium, self._z, self._omega, self.right)
         rate = abs(self._equilibrium.crossing_rate(self._z, self.right, found.left))
         known = abs(found.l1) > NOISE * found.size
@@ -138,6 +138,16 @@ class CycleSizes:
                 return None
             fields.append(field)
         return np.array(fields)
+
+
+def _square_per_change(point: SpecialPoint) -> float:
+    """rho^2 per change of the parameter: rate / (omega |l1|); 0 where the normal form does not tell: l1 is
+    zero to its error, or has no value.
+    """
+    if point.criticality is None:
+        return 0.0
+    omega, l1, rate = (abs(float(point.coefficients[name])) for name in ("omega", "l1", "crossing_rate"))
+    return rate / (omega * l1)
 
 
 def _inverse_of(matrix: np.ndarray) -> np.ndarray:
