@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import random
 import shutil
+import time
 from pathlib import Path
 
 import pytest
@@ -90,9 +91,19 @@ class Opened:
 
     def moved(self, name, before):
         """What an element shows once it no longer shows `before`; a failure where it goes on showing that."""
-        shows = f"before => document.getElementById('{name}').innerHTML !== before"
-        self.tab.wait_for_function(shows, arg=before)
+        self.wait(lambda: self.text(name) != before)
         return self.text(name)
+
+    def wait(self, holds, seconds=30.0):
+        """Wait until something holds.
+
+        The page is asked again and again from outside: a function of Playwright's own that polls inside the
+        page is what the page's security policy forbids.
+        """
+        end = time.monotonic() + seconds
+        while not holds():
+            assert time.monotonic() < end, f"it does not hold after {seconds:g} s"
+            self.tab.wait_for_timeout(20)
 
     def close(self):
         assert self.requests == [self.address]
@@ -168,7 +179,7 @@ def test_a_first_picture_comes(browser, pages):
     page = Opened(browser, pages("planar_slope")[0])
     # The browser notes its first picture after it has loaded the page, in its own time.
     drawn = "performance.getEntriesByName('first-contentful-paint').length === 1"
-    page.tab.wait_for_function(drawn)
+    page.wait(lambda: page.tab.evaluate(drawn))
     page.close()
 
 
