@@ -211,19 +211,19 @@ def hopf_coefficients(
     """First Lyapunov coefficient with its estimated error, and how fast the pair crosses.
 
     The weights have the shape (N + 1,), a critical vector (n,), where there are several. The error is how far
-    l1 moves while the solution moves by roundings of its own and of its weights, and some roundings of the
-    terms that l1 is the sum of: where all of them are imaginary, as in a conservative machine, their real
-    parts are rounding.
+    l1 moves while the solution moves by roundings of its own and of its weights, and a rounding of the terms
+    that l1 is the sum of, or as many as critical vectors lose that are several: where all terms are imaginary,
+    as in a conservative machine, their real parts are rounding.
     """
     omega, q = located.data.omega, located.data.right if along is None else along
     q = q / np.linalg.norm(q)
     here = lyapunov(problem, located.z, omega, q)
     moved = [lyapunov(problem, z, omega, q).l1 for z in rounded(located.z, weights)]
-    # Of the vectors by their condition: several that pass together are known no better.
-    known = ROUNDINGS * EPSILON * float(np.linalg.norm(here.left) * np.linalg.norm(q))
+    # Several that pass together are known by the condition of their space, whatever the states' units are.
+    loss = 1.0 if along is None else ROUNDINGS * float(np.linalg.norm(here.left) * np.linalg.norm(q))
     return {
         "l1": here.l1,
-        "l1_error": max(abs(value - here.l1) for value in moved) + known * here.size,
+        "l1_error": max(abs(value - here.l1) for value in moved) + loss * EPSILON * here.size,
         "omega": omega,
         "crossing_rate": problem.crossing_rate(located.z, q, here.left),
         "convention": "Kuznetsov 2004, eq. 5.34: l1 = Re(c1)/omega with <q,q> = 1, <p,q> = 1",
