@@ -118,8 +118,9 @@ def _nearest(
     segment: Segment, which: int, low: Placed, high: Placed
 ) -> Iterator[tuple[Measure, float, bool]]:
     """A measure, where it comes nearest to zero between two solutions, and whether it is beyond by then."""
-    found = extremum(measure := Measure(segment, which), low, high)
-    yield from () if found is None else [(measure, *found)]
+    measure = Measure(segment, which)
+    if (found := extremum(measure, low, high)) is not None:
+        yield measure, *found
 
 
 def _between_one_and_minus_one(segment: Segment) -> float | None:
@@ -197,7 +198,9 @@ def _same_side(a: Sample, b: Sample, between: Sample | None = None) -> Iterator[
     if between is not None:
         suspects &= np.abs(between.measures) <= between.errors
     elif a.rates.values is not None and b.rates.values is not None:
-        suspects &= (a.rates.values * ma < 0.0) & (b.rates.values * mb > 0.0)
+        # By signs alone: a rate that is infinite has no product with zero, and small ones have none.
+        ways = np.copysign(1.0, ma) * a.rates.values, np.copysign(1.0, mb) * b.rates.values
+        suspects &= (ways[0] < 0.0) & (ways[1] > 0.0)
     for which in np.flatnonzero(suspects).tolist():
         ends = a.eigenvalues[which], b.eigenvalues[which]
         # One that passes both 1 and -1, or zero, is told by `_between_one_and_minus_one`.
