@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -105,3 +105,8 @@ def table_of_point(point: SpecialPoint) -> tables.Table:
     if point.note:
         rows.append(["note", point.note])
     return rows
+
+
+def nearest_to(points: Iterable[SpecialPoint], s: float) -> SpecialPoint | None:
+    """The point nearest to an arclength, as that which a branch has left; None where there is none."""
+    return min(points, key=lambda point: abs(point.s - s), default=None)

@@ -81,9 +81,8 @@ def _installed(wheel: Path, where: Path, given: argparse.Namespace) -> Path:
     if not given.real:
         subprocess.run([*pip, "--no-index", "--no-deps", str(wheel)], check=True)
         libraries = sysconfig.get_path("purelib")
-        (folder := next(where.glob("lib/python*/site-packages"))).joinpath("borrowed.pth").write_text(
-            libraries
-        )
+        folder = _packages(where)
+        (folder / "borrowed.pth").write_text(libraries)
         print(f"The libraries are those of {libraries}; contwalk is that of {folder}.")
         return bin_folder
     lowest = _lowest() if given.lowest else []

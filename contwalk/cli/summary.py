@@ -12,7 +12,7 @@ from contwalk.cli.terminal import line, table
 from contwalk.labels import UNDECIDED
 from contwalk.number_words import choices, exact, plural, rough, with_unit
 from contwalk.signatures import folded, is_iterated, told_problem
-from contwalk.special_point import told_sides, told_what
+from contwalk.special_point import nearest_to, told_sides, told_what
 from contwalk.system.units import lasting
 from contwalk.workflow.stored.point_words import free_value
 
@@ -175,10 +175,9 @@ def _print_special(out: Console, branch: Branch) -> None:
 def _parent(parent: tuple[str, float], among: Sequence[Branch]) -> str:
     """`b1/HB1`: the special point of the parent that a branch left."""
     name, s = parent
-    points = [point for branch in among if branch.name == name for point in branch.special_points]
-    if not points:
-        return name
-    return f"{name}/{min(points, key=lambda point: abs(point.s - s)).name}"
+    points = (point for branch in among if branch.name == name for point in branch.special_points)
+    point = nearest_to(points, s)
+    return name if point is None else f"{name}/{point.name}"
 
 
 def differing(branches: Sequence[Branch]) -> list[str]:

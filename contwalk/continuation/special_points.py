@@ -27,7 +27,6 @@ VANISHES = "orbits are not found so near to where a segment between two events v
 CROSSED = "orbits are hardly known so near to where another curve of them crosses"
 # What tells points at which the branch itself may turn.
 TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
-
 # A measure that is critical at both ends of a segment longer than this is so all along.
 CRITICAL_ALL_ALONG = 1e-6
 

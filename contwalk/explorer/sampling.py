@@ -70,8 +70,7 @@ def sampled(motions: Sequence[Motion], tolerance: float, least: float, most: int
 
 def _phases(motion: Motion) -> list[np.ndarray]:
     """Rows of a motion between its events; where two events come at once, nothing lies between them."""
-    breaks = np.flatnonzero(np.diff(motion.times) == 0.0) + 1
-    found = np.split(np.arange(len(motion.times)), breaks)
+    found = np.split(np.arange(len(motion.times)), motion.jumps)
     return [rows for rows in found if motion.times[rows[-1]] > motion.times[rows[0]]] or found[:1]
 
 

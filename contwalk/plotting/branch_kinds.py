@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from contwalk.branch import Branch
 from contwalk.signatures import told_problem
-from contwalk.special_point import SpecialPoint
+from contwalk.special_point import SpecialPoint, nearest_to
 
 DOUBLING = "PD"
 
@@ -48,5 +48,4 @@ def _born_at(branch: Branch, by_name: dict[str, Branch]) -> SpecialPoint | None:
     if branch.info.parent is None or branch.info.parent[0] not in by_name:
         return None
     name, s = branch.info.parent
-    points = by_name[name].special_points
-    return min(points, key=lambda point: abs(point.s - s), default=None)
+    return nearest_to(by_name[name].special_points, s)

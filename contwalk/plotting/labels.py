@@ -16,11 +16,11 @@ from matplotlib.text import Text
 from matplotlib.transforms import Transform, offset_copy
 
 from contwalk.plotting.placement import Ink, Placement
+from contwalk.plotting.style import INK
 
 FONT_SIZE = 8.0
 LEADER_FROM_POINTS = 12.0  # a label farther than this from its point gets a line to it
 SAME_PLACE_POINTS = 3.0  # labels of points nearer than this share one text: half a marker
-MIXED = "#222222"  # of the text of markers of several colours
 MOST_SHARED = 4  # names in one text; of more, one less is written, and how many there are besides
 
 
@@ -51,7 +51,7 @@ def place_labels(
     """Write the labels next to their points, with a thin leader line to those that had to move away.
 
     Labels whose markers lie on each other, as where a branch passes through its own mirror image, become one
-    text; it is grey where they are of several colours.
+    text; it has none of their colours where these are several.
     Where there is no room for all, the last ones are left out.
 
     Parameters
@@ -137,7 +137,7 @@ def _shared(group: Sequence[Label]) -> str:
 
 def _text(ax: Axes, group: Sequence[Label]) -> Text:
     label, words = group[0], _shared(group)
-    color = label.color if len({each.color for each in group}) == 1 else MIXED
+    color = label.color if len({each.color for each in group}) == 1 else INK
     text = ax.text(
         label.x,
         label.y,

@@ -97,18 +97,18 @@ def plot_phase_plane(
     ax = ax or new_axes("phase_portrait")
     dress(ax, *(axis_label(name, units) for name in plane.names))
     _draw_field(ax, plane, arrows)
-    handles: list[Any] = []
+    handles: dict[str, Line2D] = {}  # one of each name
     width = STABLE["linewidth"]
     for number, name in enumerate(plane.names):
         values, color = plane.rates[..., number], PALETTE[number]
         if np.nanmin(values) < 0 < np.nanmax(values):
             ax.contour(plane.x, plane.y, values, [0.0], colors=color, linewidths=width, zorder=2)
-            handles.append(Line2D([], [], color=color, label=f"{name} rests", **STABLE))
+            _enter(handles, f"{name} rests", {"color": color, **STABLE})
     for curve, unstable in plane.manifolds:
         ax.plot(*curve.T, gid="manifold", zorder=2.5, **MANIFOLD[unstable])
     for unstable, words in ((True, "unstable manifold"), (False, "stable manifold")):
         if any(which is unstable for _, which in plane.manifolds):
-            handles.append(Line2D([], [], label=words, **MANIFOLD[unstable]))
+            _enter(handles, words, MANIFOLD[unstable])
     for number, curve in enumerate(orbits):
         look: dict[str, Any] = {
             "color": PALETTE[2],
@@ -116,21 +116,22 @@ def plot_phase_plane(
             "linestyle": "-" if stable[number] else "--",
         }
         ax.plot(*curve.T, gid=f"orbit-{number}", zorder=3, **look)
-        words = "stable orbit" if stable[number] else "unstable orbit"
-        if words not in [handle.get_label() for handle in handles]:
-            handles.append(Line2D([], [], label=words, **look))
+        _enter(handles, "stable orbit" if stable[number] else "unstable orbit", look)
     for rest in plane.rests:
         look = {"marker": "o", "color": INK, "markersize": 5.0, "linestyle": "none"}
         look["fillstyle"] = "full" if rest.stable else "none"
         ax.plot(*rest.place[:, None], gid="equilibrium", zorder=4, **look)
-        words = "stable equilibrium" if rest.stable else "unstable equilibrium"
-        if words not in [handle.get_label() for handle in handles]:
-            handles.append(Line2D([], [], label=words, **look))
+        _enter(handles, "stable equilibrium" if rest.stable else "unstable equilibrium", look)
     ax.set_xlim(plane.x[0], plane.x[-1])
     ax.set_ylim(plane.y[0], plane.y[-1])
     if handles:
-        legend_beside(ax, handles)
+        legend_beside(ax, list(handles.values()))
     return ax
+
+
+def _enter(handles: dict[str, Line2D], words: str, look: Mapping[str, Any]) -> None:
+    """Enter a look into a legend, once."""
+    handles.setdefault(words, Line2D([], [], label=words, **look))
 
 
 def _draw_field(ax: Axes, plane: Plane, number: int) -> None:

@@ -19,6 +19,7 @@ from contwalk.branch import FIXED_POINT, NOT_KNOWN, Branch, BranchInfo, SpecialP
 from contwalk.labels import LOCUS
 from contwalk.quantities import NEUTRAL_SADDLE, saddles
 from contwalk.signatures import is_iterated
+from contwalk.special_point import nearest_to
 from contwalk.storage.database import Database
 
 DOCUMENT_VERSION, WITH_LOCI, WITH_UNKNOWN = 1, 2, 3
@@ -113,10 +114,8 @@ def _parent(db: Database, branch: Branch, loaded: dict[str, Branch]) -> str | No
     if branch.info.parent is None or branch.info.parent[0] not in db.branch_names():
         return None
     name, s = branch.info.parent
-    candidates = _load(db, name, loaded).special_points
-    if not candidates:
-        return None
-    return f"{name}/{min(candidates, key=lambda point: abs(point.s - s)).name}"
+    point = nearest_to(_load(db, name, loaded).special_points, s)
+    return None if point is None else f"{name}/{point.name}"
 
 
 def _special(point: SpecialPoint) -> dict[str, Any]:

@@ -32,7 +32,6 @@ def squared(
     ----------
     value : complex
         The multiplier of q.
-
     """
     half = _halves(equations, at)
     through = _Through(equations, at, half)

@@ -93,19 +93,25 @@ def _rests(rates: Rates, grid: np.ndarray, found: np.ndarray, window: np.ndarray
     size = window[:, 1] - window[:, 0]
     rests: list[Rest] = []
     for row, column in np.argwhere(changes):
-        place = (grid[row, column] + grid[row + 1, column + 1]) / 2
-        for _ in range(30):
-            slopes = _slopes(rates, place, size)
-            if not np.isfinite(slopes).all() or np.linalg.matrix_rank(slopes) < 2:
-                break
-            step = np.linalg.solve(slopes, rates(place[None])[0])
-            place = place - step
-            if np.all(np.abs(step) <= 1e-10 * size):
-                known = any(np.all(np.abs(place - rest.place) < 1e-6 * size) for rest in rests)
-                if not known and np.all((place >= window[:, 0]) & (place <= window[:, 1])):
-                    rests.append(Rest(place, np.linalg.eigvals(slopes), slopes))
-                break
+        rest = _rest_near(rates, (grid[row, column] + grid[row + 1, column + 1]) / 2, size)
+        if rest is None or np.any((rest.place < window[:, 0]) | (rest.place > window[:, 1])):
+            continue
+        if not any(np.all(np.abs(rest.place - known.place) < 1e-6 * size) for known in rests):
+            rests.append(rest)
     return rests
+
+
+def _rest_near(rates: Rates, place: np.ndarray, size: np.ndarray) -> Rest | None:
+    """The equilibrium that Newton's method finds from a place, shape (2,); sizes are those of the window."""
+    for _ in range(30):
+        slopes = _slopes(rates, place, size)
+        if not np.isfinite(slopes).all() or np.linalg.matrix_rank(slopes) < 2:
+            return None
+        step = np.linalg.solve(slopes, rates(place[None])[0])
+        place = place - step
+        if np.all(np.abs(step) <= 1e-10 * size):
+            return Rest(place, np.linalg.eigvals(slopes), slopes)
+    return None
 
 
 def _slopes(rates: Rates, place: np.ndarray, size: np.ndarray) -> np.ndarray:

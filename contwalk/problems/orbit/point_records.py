@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -60,7 +59,7 @@ def described(
         limit = f"{known}: rounding does not allow the accuracy of {asked:g} that was asked for"
         note = limit if note is None else f"{note}; {limit}"
     told = variant, criticality, coefficients, note
-    return replace(record(problem, there, located, sample, sample.eigenvalues, told), label=kind.label, s=s)
+    return record(problem, there, located, sample, sample.eigenvalues, told, label=kind.label, s=s)
 
 
 def with_reason(form: Callable[[], Form]) -> Form:
@@ -75,19 +74,17 @@ def with_reason(form: Callable[[], Form]) -> Form:
 
 
 def record(
-    problem: Any, there: Any, located: Located, sample: Sample, values: np.ndarray, form: Form
+    problem: Any, there: Any, located: Located, sample: Sample, values: np.ndarray, form: Form, **more: Any
 ) -> SpecialPoint:
-    """The record, without label and place, of a point of a branch or a curve of orbits.
+    """The record of a point of a branch or a curve of orbits.
 
-    `there` is what it was located on, `values` are its multipliers, shape (m,).
+    `there` is what it was located on, `values` are its multipliers, shape (m,); `more` is what else it says.
     """
     z, spectrum = located.z, tuple(complex(v) for v in values)
     kind, criticality, coefficients, note = form
     duration, (_, fold) = problem.duration(z), problem.whole
     state = there.reported(z) if sample.reported is None else sample.reported
     return SpecialPoint(
-        label="",
-        s=0.0,
         kind=kind,
         parameters=problem.values_of(z) | {problem.free: float(z[-1])},
         state=dict(zip(problem.system.state_names, state.tolist(), strict=True)),
@@ -103,6 +100,7 @@ def record(
         note=note,
         unknowns=tuple(z.tolist()),
         tangent=tuple(sample.tangent.tolist()),
+        **more,
     )
 
 

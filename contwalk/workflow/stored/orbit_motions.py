@@ -40,9 +40,14 @@ class Motion:
         """All events, the one that it begins after included."""
         return ((float(self.times[0]), self.begins), *self.events) if self.begins else self.events
 
+    @property
+    def jumps(self) -> np.ndarray:
+        """Rows right after an event, shape (j,): those that have the instant of the row before."""
+        return np.flatnonzero(np.diff(self.times) == 0.0) + 1
+
     def broken(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Times and values along the motion, (k, m), with a row of NaN at each event."""
-        jumps = np.flatnonzero(np.diff(self.times) == 0.0) + 1
+        jumps = self.jumps
         return np.insert(self.times, jumps, self.times[jumps]), np.insert(values, jumps, np.nan, axis=0)
 
 

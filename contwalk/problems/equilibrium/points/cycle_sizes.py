@@ -8,6 +8,8 @@ each round of substitution adds an order.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from contwalk.branch import SpecialPoint
@@ -78,7 +80,7 @@ class CycleSizes:
 
     def __call__(self, change: float) -> np.ndarray:
         """Half of what each state moves by, or what its mean does, shape (n,): positive."""
-        wanted = np.sqrt(self._square * change) if self._square > 0.0 else self._farthest()
+        wanted = np.sqrt(self._square * change) if self._square > 0.0 else self._farthest
         rho = wanted
         while (moved := self._moved(rho)) is None and rho > wanted * 0.5**HALVINGS:
             rho *= 0.5
@@ -91,6 +93,7 @@ class CycleSizes:
         least = np.maximum(wanted * self._faint, still)
         return np.where(sizes > 0.0, np.maximum(sizes, still), least)
 
+    @cached_property
     def _farthest(self) -> float:
         """An amplitude beyond which orders do not fall; one half where they always do, or do not there."""
         amplitudes = 0.5 * 2.0 ** np.arange(HALVINGS)

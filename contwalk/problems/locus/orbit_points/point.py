@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -61,12 +60,12 @@ class OrbitLocusPoint(PointType):
             kind, coefficients, note = self.form(there, located, sample)
             return kind, None, coefficients, note
 
+        more: dict[str, Any] = {"label": self.label, "s": s}
         told = point_records.with_reason(form)
-        record = point_records.record(there, there, located, sample, sample.spectrum, told)
         if there.limited is not None:
             margins = there.margins(located.z)
-            record = replace(record, admissible=margins.admissible, margin=margins.by_name)
-        return replace(record, label=self.label, s=s)
+            more |= {"admissible": margins.admissible, "margin": margins.by_name}
+        return point_records.record(there, there, located, sample, sample.spectrum, told, **more)
 
 
 FORMS: dict[str, Callable[[SectionMap], dict[str, Any]]] = {
