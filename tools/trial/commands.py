@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SOURCE = Path(__file__).with_name("faults.c")
-# Seconds and bytes that no command of a trial needs.
-LONGEST, LARGEST = 60, 4 << 30
+# Seconds of CPU and bytes that no command of a trial needs, and seconds after which it hangs on any machine.
+LONGEST, LARGEST, HANGS = 60, 4 << 30, 900
 WORKERS = ("contwalk.workflow.worker", "spawn_main")  # not those with which Python keeps its own house
-PATIENCE = 20  # seconds in which processes that nobody asks any more end
+PATIENCE = 120  # seconds in which processes that nobody asks any more end
 ARMED = "CONTWALK_TRIAL_FAULTS"
 
 
@@ -62,7 +62,7 @@ class Running:
 
     def worker(self) -> int | None:
         """A process that works for it, once there is one; None where it ends without."""
-        until, children = time.monotonic() + LONGEST, Path(f"/proc/{self._pid}/task/{self._pid}/children")
+        until, children = time.monotonic() + HANGS, Path(f"/proc/{self._pid}/task/{self._pid}/children")
         while time.monotonic() < until:
             try:
                 for number in children.read_text(encoding="ascii").split():
@@ -108,7 +108,8 @@ def _become(folder: Path, arguments: tuple[str, ...], fault: Fault, said: int, w
         os.chdir(folder)
         os.dup2(said, 1)
         os.dup2(said, 2)
-        signal.alarm(LONGEST)
+        signal.alarm(HANGS)
+        resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
         resource.setrlimit(resource.RLIMIT_AS, (LARGEST, LARGEST))
         from contwalk.cli.entry import run
 
