@@ -16,7 +16,7 @@ from contwalk.cli.new_files import relative_to_run_file, write_new
 )
 @click.option("--run", "run_file", metavar="FILE", help="Write a run file for it as well.")
 def command(model: Path, output: str | None, run_file: str | None) -> None:
-    """Write the plugin of MODEL: an XPPAUT .ode file, or a .txt file of equations.
+    """Write the plugin of MODEL: an XPPAUT .ode file, SBML (.xml), or a .txt file of equations.
 
     What cannot be translated is named with its line, and nothing is written. Files that exist are not
     replaced.

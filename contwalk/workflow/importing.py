@@ -18,8 +18,16 @@ from contwalk.plugin_check.at_load import refuse_unsound
 from contwalk.system import System
 from contwalk.workflow.run_file.template import starting_file
 
+
+def _sbml(text: str, source: str, folder: Path) -> Model:
+    from contwalk.equations.sbml.reader import model_of_sbml  # what only its files need
+
+    return model_of_sbml(text, source)
+
+
 # What a model's file ends in, and how its text is read.
 READERS = {".txt": lambda text, source, folder: model_of_text(text, source), ".ode": model_of_ode}
+READERS |= {".xml": _sbml, ".sbml": _sbml}
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from contwalk.equations.constant import is_constant, value_of
+from contwalk.equations.forcing import period_of
 from contwalk.equations.grammar import Parser, Precedence
 from contwalk.equations.model import Defined, Event, Function, Model, Value
 from contwalk.equations.names import TIME, needs, usable_name
 from contwalk.equations.nodes import RELATIONS, ModelError, Node, calls_in, replaced
 from contwalk.equations.text import require_size
 from contwalk.equations.tokens import Token, tokens
-from contwalk.equations.xppaut.forcing import period_of
 from contwalk.equations.xppaut.lines import Line, lines_of
 from contwalk.equations.xppaut.options import Options, assignments, number_of
 from contwalk.equations.xppaut.tables import table_of_file, table_of_formula

@@ -212,8 +212,8 @@ def hopf_coefficients(
 
     The weights have the shape (N + 1,), a critical vector (n,), where there are several. The error is how far
     l1 moves while the solution moves by roundings of its own and of its weights, and a rounding of the terms
-    that l1 is the sum of, or as many as critical vectors lose that are several: where all terms are imaginary,
-    as in a conservative machine, their real parts are rounding.
+    that l1 is the sum of, or as many as critical vectors lose that are several: where all terms are
+    imaginary, as in a conservative machine, their real parts are rounding.
     """
     omega, q = located.data.omega, located.data.right if along is None else along
     q = q / np.linalg.norm(q)

@@ -1,0 +1,37 @@
+"""Parameters and states with numbers that can be computed with."""
+
+from __future__ import annotations
+
+from contwalk.equations.model import Defined, Model, Value
+
+# Beyond them a product of two is no number any more.
+_LARGEST = (1e300,)
+
+
+def add_parameter(model: Model, own: str, value: float | None, line: int, about: str) -> None:
+    """Declare a parameter.
+
+    Raises
+    ------
+    ModelError
+        If it has no finite value.
+    """
+    if value is None or not abs(value) <= _LARGEST[0]:
+        raise model.wrong(line, f"'{own}' has no finite value.", "Give it one.")
+    about = " ".join(about.split())
+    model.parameters[own] = Value(value, line, "" if about == own else about)
+
+
+def add_state(model: Model, own: str, rate: Defined, value: float | None) -> None:
+    """Declare a state with its rate, and where it begins if that is known.
+
+    Raises
+    ------
+    ModelError
+        If that is no finite number.
+    """
+    if value is not None and not abs(value) <= _LARGEST[0]:
+        raise model.wrong(rate.line, f"'{own}' begins with no finite number.", "Give one.")
+    model.rates[own] = rate
+    if value is not None:
+        model.starts[own] = Value(value, rate.line)
