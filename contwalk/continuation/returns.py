@@ -127,7 +127,7 @@ def _comes_back(segment: Segment, origin: Sample) -> float | None:
     def apart(theta: float) -> np.ndarray:
         z = segment.guess(theta)
         return np.append(
-            (z - origin.z)[-2:] / segment.weights[-2:], problem.duration(z) / origin.period - 1.0
+            (z[-2:] - origin.z[-2:]) / segment.weights[-2:], problem.duration(z) / origin.period - 1.0
         )
 
     def beyond(theta: float) -> float:
