@@ -19,6 +19,7 @@ from contwalk.memory import remembered
 from contwalk.system.declarations import System, nearest
 from contwalk.system.family import Family
 from contwalk.system.installed import installed
+from contwalk.system.names import HELD
 from contwalk.system.plugin_files import hash_of, hashes_of_file, hashes_of_installed
 
 # Systems that Python has made in this process, by the references that stand for them.
@@ -92,6 +93,8 @@ def load_system(
 ) -> System:
     """The system of this name or plugin file, built with these model choices.
 
+    A choice `parameters.b` is an expression of other parameters that holds the parameter `b`.
+
     Raises
     ------
     SystemDefinitionError
@@ -104,8 +107,10 @@ def load_system(
     source = hash_of(files)
     remembered(_LOADED, source, _MOST_LOADED, lambda: files)
     declared = load_declaration(reference, base)
+    held = {key.removeprefix(HELD): text for key, text in (model or {}).items() if key.startswith(HELD)}
+    model = {key: choice for key, choice in (model or {}).items() if not key.startswith(HELD)}
     if isinstance(declared, Family):
-        system = called(f"system '{reference}'", declared.with_model, model or {})
+        system = called(f"system '{reference}'", declared.with_model, model)
     elif model:
         raise SystemDefinitionError(
             f"System '{reference}' has no model choices, but {', '.join(model)} is given.",
@@ -114,7 +119,12 @@ def load_system(
     else:
         system = declared
     place = str(Path(os.path.abspath((base or Path.cwd()) / reference))) if is_path(reference) else reference
-    return replace(system, source=source, loaded_from=place)
+    system = replace(system, source=source, loaded_from=place)
+    if not held:
+        return system
+    from contwalk.system.held import holding  # most systems hold no parameter
+
+    return holding(system, held)
 
 
 def files_of(system: System, reference: str, base: Path | None = None) -> dict[str, str]:

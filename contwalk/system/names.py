@@ -14,6 +14,9 @@ from contwalk.errors import SystemDefinitionError
 
 SIDES = ("before", "after")
 
+# What a choice of the model begins with that holds a parameter by an expression.
+HELD = "parameters."
+
 
 def nearest(name: str, known: Sequence[str]) -> str:
     """Words that name the nearest known name, for error messages; empty when nothing is near."""

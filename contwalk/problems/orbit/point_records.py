@@ -17,6 +17,7 @@ from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.problem import Located, Sample
 from contwalk.special_point import allowed_error
+from contwalk.system.held import settled
 
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
 RESONANT = 1e-6
@@ -86,7 +87,7 @@ def record(
     state = there.reported(z) if sample.reported is None else sample.reported
     return SpecialPoint(
         kind=kind,
-        parameters=problem.values_of(z) | {problem.free: float(z[-1])},
+        parameters=settled(problem.system, problem.values_of(z) | {problem.free: float(z[-1])}),
         state=dict(zip(problem.system.state_names, state.tolist(), strict=True)),
         period=duration,
         period_full=duration * fold,

@@ -13,6 +13,7 @@ from contwalk.workflow.file_names import database_named, output_of
 from contwalk.workflow.run_file.checked_file import CheckedFile
 from contwalk.workflow.run_file.document import Document, Key
 from contwalk.workflow.run_file.motions import Margins
+from contwalk.workflow.run_file.parameters import numbers_of
 from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.reading import opened
 from contwalk.workflow.run_file.starts import POINT
@@ -105,8 +106,8 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
         overrides=tuple(overrides),
         system_reference=model.system,
         system=system,
-        model=dict(model.model),
-        parameters=dict(model.parameters),
+        model=dict(system.model),
+        parameters=numbers_of(model),
         database=database_named(Path(path).parent, str(wanted.of.from_)),
         margins=wanted,
         output=output_of(path, output, model.output),

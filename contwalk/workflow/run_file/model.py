@@ -28,6 +28,7 @@ from contwalk.workflow.run_file.values import (
     Names,
     Number,
     Numbers,
+    NumbersOrExpressions,
     OneOrSeveral,
     OneOrTwoRanges,
     Positive,
@@ -266,7 +267,9 @@ class RunModel(Section):
     description: str | None = Field(default=None, description="text: what the study is of")
     model: dict[str, Any] = Field(default={}, description="{choice: value, ...}")
     preset: str | None = Field(default=None, description="the name of a preset of the system")
-    parameters: Values = Field(default={}, description="{parameter: value, ...}")
+    parameters: NumbersOrExpressions = Field(
+        default={}, description="{parameter: value, ...}; a value may be an expression of other parameters"
+    )
     accuracy: Accuracy = Field(default=1e-8, description="a number")
     start: Annotated[tuple[Start, ...], BeforeValidator(as_starts)] = Field(
         default=(),

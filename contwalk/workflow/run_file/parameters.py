@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from contwalk.system.declarations import Parameter, System
+from contwalk.system.held import HeldError, held_in, settled
 from contwalk.workflow.run_file.document import Key
 from contwalk.workflow.run_file.problems import Problems, allowed
 
@@ -17,6 +18,11 @@ if TYPE_CHECKING:
 
 def parameter_named(problems: Problems, key: Key, system: System, name: str) -> Parameter | None:
     """The parameter of this name; a problem at `key` if the system has none."""
+    held = held_in(system).get(name)
+    if held is not None:
+        what = f"'{name}' is held by the expression {held!r}."
+        problems.add(key, what, "Change what it depends on, or give it a number under parameters.")
+        return None
     for parameter in system.parameters:
         if parameter.name == name:
             return parameter
@@ -63,10 +69,24 @@ def preset_values(problems: Problems, key: Key, system: System, name: str) -> di
     return values
 
 
+def numbers_of(model: RunModel) -> dict[str, float]:
+    """The values under `parameters` that are no expressions."""
+    return {name: value for name, value in model.parameters.items() if not isinstance(value, str)}
+
+
 def given_values(problems: Problems, system: System, model: RunModel) -> dict[str, float]:
     """What the file says beyond the system's defaults: the preset, then `parameters`."""
     preset = {} if model.preset is None else preset_values(problems, ("preset",), system, model.preset)
-    return preset | checked_values(problems, ("parameters",), system, model.parameters)
+    given = preset | checked_values(problems, ("parameters",), system, numbers_of(model))
+    try:
+        values = settled(system, system.defaults() | given)
+    except HeldError as error:
+        problems.add(("parameters", error.name), error.sentence, error.remedy)
+        raise problems.error() from error
+    for parameter in system.parameters:
+        if parameter.name in held_in(system):
+            check_bounds(problems, ("parameters", parameter.name), parameter, values[parameter.name])
+    return given
 
 
 def path_ends(

@@ -18,7 +18,9 @@ from contwalk.errors import ContwalkError
 from contwalk.plugin_check.at_load import load_system
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import System
+from contwalk.system.held import HeldError, settled
 from contwalk.system.loading import is_path, load_declaration
+from contwalk.system.names import HELD
 from contwalk.workflow.file_names import output_of
 from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.figures import FigureSpec, figures_of
@@ -205,8 +207,12 @@ def opened(text: str, path: str | Path, overrides: Sequence[str] = ()) -> tuple[
 
 def _load(problems: Problems, model: RunModel, base: Path) -> System:
     """The system; what is wrong with it is told at the key `system`, or `model`."""
+    held = {HELD + name: text for name, text in model.parameters.items() if isinstance(text, str)}
     try:
-        return load_system(model.system, model.model, base)
+        return load_system(model.system, model.model | held, base)
+    except HeldError as error:
+        problems.add(("parameters", error.name), error.sentence, error.remedy)
+        raise problems.error() from error
     except ContwalkError as error:
         key = "model" if model.model and _can_be_declared(model.system, base) else "system"
         problems.add((key,), error.sentence, error.remedy)
@@ -232,7 +238,7 @@ def _can_be_declared(reference: str, base: Path) -> bool:
 def _checked(problems: Problems, model: RunModel, system: System, path: Path, output: str | None) -> RunFile:
     """The run file of a model, with a problem noted for all that does not fit the system."""
     given = given_values(problems, system, model)
-    parameters = system.defaults() | given
+    parameters = settled(system, system.defaults() | given)
     need_start(problems, model)
     free = settings.free_parameter(problems, system, model)
     ends = None if model.path is None else path_ends(problems, system, model.path, parameters)

@@ -35,6 +35,10 @@ def number(value: Any) -> float:
     return result
 
 
+def _number_or_expression(value: Any) -> float | str:
+    return value if isinstance(value, str) else number(value)
+
+
 def _within(low: float, high: float, words: str) -> Callable[[Any], float]:
     def check(value: Any) -> float:
         result = number(value)
@@ -212,6 +216,7 @@ OneOrSeveral = Annotated[
     Annotated[str, Tag("(one)")] | Annotated[Texts, Tag("(list)")], Discriminator(_one_or_list)
 ]
 Values = dict[str, Number]
+NumbersOrExpressions = dict[str, Annotated[float | str, PlainValidator(_number_or_expression)]]
 Range = Annotated[tuple[Number, ...], BeforeValidator(lambda v: tuple(v) if isinstance(v, list) else v)]
 Names = Annotated[tuple[str, ...], BeforeValidator(lambda v: tuple(v) if isinstance(v, list) else v)]
 OneOrTwoRanges = Annotated[

@@ -9,6 +9,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.problem import Located, PointType, Sample
 from contwalk.problems.sample import within
+from contwalk.system.held import settled
 
 # Kind, criticality, coefficients and note of a special point.
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
@@ -43,7 +44,7 @@ class EquilibriumPoint(PointType):
             label=self.label,
             s=s,
             kind=kind,
-            parameters=problem.values_of(z) | {problem.free: float(z[-1])},
+            parameters=settled(problem.system, problem.values_of(z) | {problem.free: float(z[-1])}),
             state=dict(zip(problem.system.state_names, z[: problem.states].tolist(), strict=True)),
             spectrum=tuple(complex(v) for v in sample.spectrum),
             error=located.error,
