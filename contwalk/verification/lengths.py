@@ -18,57 +18,84 @@ SIMPSON = np.array([[1.0, 4.0, 2.0, 4.0, 1.0], [2.0, 0.0, 8.0, 0.0, 2.0]])
 _End = tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
-def squared(
-    equations: OrbitEquations, at: Evaluation, q: np.ndarray, value: complex, known: float = 0.02
-) -> Told:
+def squared(equations: OrbitEquations, at: Evaluation, q: np.ndarray, value: complex) -> Told:
     """The mean square, over the closure and across the flow, of the deviation that starts as q, (n,).
 
     Of complex q, of both its parts together. After an event it is counted at so long after the event: under a
     force, where nothing is taken out along the flow, a deviation that is late has gone on less far. The error
-    is what half as many instants make of the integral, or `known` of it, to which records know it: they count
-    it at some instants.
+    is what fewer instants make of the integral, and of the ranges: records know both by some instants.
 
     Parameters
     ----------
     value : complex
         The multiplier of q.
     """
-    half = _halves(equations, at)
+    half, coarse = _halves(equations, at)
     through = _Through(equations, at, half)
     _, late = through.once(q, 0.0)
-    means, _ = through.once(q, late / value)
-    whole, rough = means
-    return Told(whole, max(abs(whole - rough), known * abs(whole)))
+    (whole, rough), _ = through.once(q, late / value)
+    (other, _), _ = _Through(equations, at, coarse).once(q, late / value)
+    return Told(whole, abs(whole - rough) + abs(whole - other))
 
 
-def _halves(equations: OrbitEquations, at: Evaluation, images: int = 64) -> np.ndarray:
-    """Halves of the ranges of all states over the whole orbit, its images included, shape (n,).
+def _halves(equations: OrbitEquations, at: Evaluation) -> tuple[np.ndarray, np.ndarray]:
+    """Halves of the ranges of all states over the whole orbit, its images included, shape (n,): where they
+    turn inside of steps, and at quarters of steps alone.
 
-    Of a state that rests there, or that not every mode has, its size. An orbit that closes up to a symmetry
-    has so many `images` at most.
+    A state is zero in modes that do not have it. Of one that rests its declared scale, or its size; of one
+    that is zero as well, the largest half of all.
     """
-    functions, p = equations.functions, equations.functions.parameters.at(equations.free)
-    system, found = functions.system, list[np.ndarray]()
+    p, found, quarters = equations.functions.parameters.at(equations.free), list[np.ndarray](), list[int]()
+    system = equations.functions.system
     for leg in at.legs:
         own = list(system.states_of(leg.mode))
         for piece in leg.pieces:
             still = np.zeros_like(piece.states)
             for begin, end, _ in _steps(equations, piece, p, still):
-                inside = np.full((len(QUARTERS), len(system.states)), np.nan)
-                inside[:, own] = [_between(begin, end, share)[1] for share in QUARTERS]
+                shares = np.concatenate([QUARTERS, _turning(begin, end)])
+                inside = np.zeros((len(shares), len(system.states)))
+                inside[:, own] = [_between(begin, end, share)[1] for share in shares]
+                quarters += range(len(found), len(found) + len(QUARTERS))
                 found += list(inside)
-    states, mode = np.array(found), at.legs[0].mode
-    seen = [states]
-    if equations.image and not np.isnan(states).any():
-        image = functions.jump(None, mode, mode, equations.image, equations.power)
-        for _ in range(images):
-            states = np.array([image(0.0, x, p)[0] for x in states])
-            level = EPSILON**0.5 * float(np.max(np.abs(states)))
-            if np.allclose(states, seen[0], rtol=0.0, atol=level):
-                break
-            seen.append(states)
-    half, sizes = 0.5 * np.ptp(np.vstack(seen), axis=0), equations.scale
-    return np.where(half > EPSILON**0.5 * sizes, half, sizes)
+    states = np.array(found)
+    fine, coarse = (_units(equations, _seen(equations, at, each)) for each in (states, states[quarters]))
+    return fine, coarse
+
+
+def _turning(begin: _End, end: _End) -> np.ndarray:
+    """At which shares of a step its cubics have a state turn, shape (j,)."""
+    lasts, moved = end[0] - begin[0], end[1] - begin[1]
+    first, last = lasts * begin[3], lasts * end[3]
+    a, b, c = 3.0 * (first + last - 2.0 * moved), 2.0 * (3.0 * moved - 2.0 * first - last), first
+    with np.errstate(all="ignore"):
+        root = -0.5 * (b + np.copysign(np.sqrt(b * b - 4.0 * a * c), b))
+        shares = np.concatenate([root / a, c / root])
+    return np.asarray(shares[(shares > 0.0) & (shares < 1.0)])
+
+
+def _seen(equations: OrbitEquations, at: Evaluation, states: np.ndarray, images: int = 64) -> np.ndarray:
+    """States of one closure, (m, n), with those of its images, so many at most."""
+    system, p = equations.functions.system, equations.functions.parameters.at(equations.free)
+    if not equations.image or any(len(system.states_of(leg.mode)) < len(system.states) for leg in at.legs):
+        return states
+    found, mode = [states], at.legs[0].mode
+    image = equations.functions.jump(None, mode, mode, equations.image, equations.power)
+    level = EPSILON**0.5 * float(np.max(np.abs(states)))
+    for _ in range(images):
+        states = np.array([image(0.0, x, p)[0] for x in states])
+        if np.allclose(states, found[0], rtol=0.0, atol=level):
+            break
+        found.append(states)
+    return np.vstack(found)
+
+
+def _units(equations: OrbitEquations, states: np.ndarray) -> np.ndarray:
+    """Half the range of each of some states, (m, n), or its size where it rests: shape (n,)."""
+    half, sizes, system = 0.5 * np.ptp(states, axis=0), equations.scale, equations.functions.system
+    declared = np.array([state.scale or 0.0 for state in system.states])
+    at_rest = np.where(declared > 0.0, declared, sizes)
+    at_rest = np.where(at_rest > 0.0, at_rest, half.max())
+    return np.where(half > EPSILON**0.5 * sizes, half, at_rest)
 
 
 class _Through:

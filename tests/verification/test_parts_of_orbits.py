@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from peers.machines.relay_feedback import PEER, SYSTEM
+from peers.problems import rossler
 from peers.running import run_study
 from small_systems import labelled, small_system
 
@@ -71,3 +73,13 @@ def test_an_orbit_that_a_leg_of_no_time_begins_agrees(tmp_path):
     found = checked(SYSTEM, records_of(branches), {"zeta": tuple(study.run["continue"]["range"])}, math.inf)
     assert len(found) > 20
     assert {each.verdict for each in found} == {AGREES}, found
+
+
+def test_the_coefficient_of_an_orbit_of_four_rounds_agrees(tmp_path):
+    """The size of its critical vector is a mean over all of its steps, however many rounds they make."""
+    (study,) = rossler.PEER.studies
+    shorter = replace(study, run=study.run | {"diagram": {"depth": 2}})
+    branch = run_study("rossler", shorter, tmp_path).branches[2]
+    (point,) = labelled(branch, "PD")
+    (found,) = checked(rossler.SYSTEM, [(branch, point)], {}, math.inf)
+    assert found.verdict == AGREES, found

@@ -27,10 +27,8 @@ from contwalk.problems.orbit.period import period_map
 ORDERS = 3
 # Second derivatives of segments along lines that are kept: a normal form has several curves of few lines.
 MOST_BENDS = 4096
-# Gauss-Legendre quadrature over a leg's own time: deviations are smooth between events.
-INSTANTS = 48
-# Samples over a closure without events: evenly spaced, so that the mean converges fast.
-SAMPLES = 256
+# Gauss-Legendre quadrature over each step, across which squares of deviations are polynomials of few orders.
+INSTANTS = 8
 
 
 class ReturnMap(SectionMap):
@@ -264,16 +262,14 @@ class ReturnMap(SectionMap):
 
     def _quadrature(self, number: int) -> tuple[np.ndarray, np.ndarray]:
         """Instants of a segment, in the time of its steps, and their shares of a mean over the closure."""
-        problem, piece = self.problem, self.problem.segments[number]
+        problem, segment = self.problem, self.problem.layout.segments[number]
+        part = segment.end - segment.begin
         if problem.eventful or problem.layout.legs > 1:
-            lasting, whole = abs(float(self._inputs[number][1][0])), abs(problem.duration(self.z))
-            instants, shares = _gauss_legendre()
-            return instants, shares * lasting / max(whole, 1e-300)
-        segment, even = problem.layout.segments[number], np.arange(SAMPLES) / SAMPLES
-        inside = even[(even >= segment.begin) & (even < segment.end)]
-        first, last = piece.steps[0], piece.steps[-1]
-        instants = first + (last - first) * (inside - segment.begin) / (segment.end - segment.begin)
-        return np.clip(instants, first, last), np.full(len(inside), 1.0 / SAMPLES)
+            part = abs(float(self._inputs[number][1][0])) / max(abs(problem.duration(self.z)), 1e-300)
+        (nodes, weights), steps = _gauss_legendre(), problem.segments[number].steps
+        lasting = np.diff(steps)[:, None]
+        instants = steps[:-1, None] + lasting * nodes
+        return instants.ravel(), (lasting * weights).ravel() * (part / (steps[-1] - steps[0]))
 
     def _across_pins(self, number: int, states: np.ndarray, deviations: np.ndarray) -> np.ndarray:
         """Deviations at some states of a segment without their parts along pinned directions."""
