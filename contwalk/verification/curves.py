@@ -25,6 +25,11 @@ def unfolds(branch: Branch) -> bool:
     return branch.info.settings.get("of") == "BP" and stored(branch).get("name") != SYMMETRY_BREAKING
 
 
+def on_limit(branch: Branch) -> bool:
+    """Whether all points of a curve are at a limit of the machine's motions."""
+    return branch.info.problem == LOCUS and str(branch.info.settings["of"]) in (*KINDS, "BE")
+
+
 def stored(branch: Branch) -> Mapping[str, Any]:
     """What is stored of a curve beside its label."""
     found: Mapping[str, Any] = branch.info.settings.get("curve") or {}

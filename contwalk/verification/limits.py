@@ -135,7 +135,7 @@ def _guarded(
     times = np.concatenate([piece.times for piece in leg.pieces])
     states = np.vstack([piece.states for piece in leg.pieces])
     field = equations.functions.field(mode)
-    told = np.array([_with_rate(guard, field, t, x, p) for t, x in zip(times, states, strict=True)])
+    told = np.array([with_rate(guard, field, t, x, p) for t, x in zip(times, states, strict=True)])
     values, rates = told.T
     scale, fastest = max(np.abs(values).max(), 1e-300), max(np.abs(rates).max(), 1e-300)
     if kind == RATE:
@@ -147,23 +147,22 @@ def _guarded(
     if kind != TOUCH:
         return
     for k in np.flatnonzero((rates[:-1] * rates[1:] < 0.0) & (np.diff(times) != 0.0)):
-        t, value = _extreme(equations, leg, mode, guard, float(times[k]), states[k], float(times[k + 1]), p)
+        t, value = extreme(equations, mode, guard, float(times[k]), states[k], float(times[k + 1]), p)
         yield Number(kind, number, t - leg.start, value, scale)
     if abs(rates[-1]) <= EPSILON**0.5 * fastest:  # it is touched where the leg ends
         yield Number(kind, number, times[-1] - leg.start, values[-1], scale)
 
 
-def _with_rate(
+def with_rate(
     guard: Function, field: Function, t: float, x: np.ndarray, p: np.ndarray
 ) -> tuple[float, float]:
-    """A guard and its rate."""
+    """A guard and its rate at a state, (n,), and parameters, (p,)."""
     value, slope = guard(t, x, p)
     return float(value[0]), float(slope[0, 0] + slope[0, 1 : 1 + len(x)] @ field(t, x, p)[0])
 
 
-def _extreme(
+def extreme(
     equations: OrbitEquations,
-    leg: Leg,
     mode: str,
     guard: Function,
     t: float,
@@ -171,15 +170,15 @@ def _extreme(
     end: float,
     p: np.ndarray,
 ) -> tuple[float, float]:
-    """Instant and value of a guard where it is extreme between two steps: its value there is known to the
-    square of how exactly the instant is.
+    """Instant and value of a guard where it is extreme between two steps, from a state x, (n,), with
+    parameters (p,): its value there is known to the square of how exactly the instant is.
     """
     functions, scale = equations.functions, equations._scale(mode)
     field = functions.field(mode)
 
     def at(tau: float) -> tuple[float, float]:
         there = x if tau == t else passed(functions, mode, t, x, tau - t, p, scale, TIGHT).end
-        return _with_rate(guard, field, tau, there, p)
+        return with_rate(guard, field, tau, there, p)
 
     tau = zero_between(lambda tau: at(tau)[1], t, end)
     return tau, at(tau)[0]

@@ -71,11 +71,12 @@ class OrbitEquations(Equations):
         self.functions, self.info = Functions(system, Parameters(system, info)), info
         stored = info.settings
         legs = stored.get("legs") or [[system.modes[0].name, "", True]]
-        self.momentary = [len(leg) > 3 and bool(leg[3]) for leg in legs]
+        self.momentary, self.together = ([leg[k : k + 1] == [True] for leg in legs] for k in (3, 4))
         self.lasting_first = self.momentary.index(False)
         if self.lasting_first and (info.settings.get("pins") or system.conserved):
             raise CannotTell("A leg of no time begins an orbit along which a direction is held.")
         self.legs = [(str(mode), str(name)) for mode, name, *_ in legs]
+        self.falls = [bool(leg[2]) for leg in legs]
         smooth = "legs" not in stored
         named = info.closure if smooth and info.closure not in (None, "full") else stored.get("image", "")
         self.image, self.power = str(named or ""), int(stored.get("power", 1)) if named else 0

@@ -9,8 +9,9 @@ import numpy as np
 from contwalk.branch import Branch
 from contwalk.labels import LOCUS
 from contwalk.system import System
+from contwalk.verification.admissible import judged, kept
 from contwalk.verification.branching import Unfolded
-from contwalk.verification.curves import of_curve, unfolds
+from contwalk.verification.curves import of_curve, on_limit, unfolds
 from contwalk.verification.equations import Equations
 from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, Finding
 from contwalk.verification.orbit import OrbitEquations
@@ -43,7 +44,19 @@ def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
             _leading(begun, branch, row, equations, found),
             _stability(begun, branch, row, equations, found),
         ]
-    return result
+    return result + _admissible(begun, branch, row, equations, found)
+
+
+def _admissible(
+    begun: Finding, branch: Branch, row: int, equations: Equations, found: Solution
+) -> list[Finding]:
+    """Whether the machine moves so, where there is anything that it could pass."""
+    stored, numbers = bool(branch.points["admissible"][row]), kept(equations, found)
+    if stored and not any(each.judged for each in numbers):
+        return []
+    verdict, reason = judged(stored, numbers, on_limit(branch))
+    result = replace(begun, quantity="admissible", stored=float(stored), verdict=verdict, reason=reason)
+    return [result if verdict != AGREES else replace(result, recomputed=float(stored), difference=0.0)]
 
 
 def _conditions(branch: Branch, row: int, equations: Equations, sheet: Sheet) -> list[Condition]:

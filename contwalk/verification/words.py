@@ -6,10 +6,14 @@ import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.labels import LOCUS
+from contwalk.verification.admissible import judged as kept_or_not
+from contwalk.verification.admissible import kept, margins_agree
 from contwalk.verification.conditions import RESONANCES
 from contwalk.verification.criticality import judged
+from contwalk.verification.curves import on_limit
 from contwalk.verification.equations import Equations
 from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, SLACK
+from contwalk.verification.limits import KINDS
 from contwalk.verification.passage import EPSILON
 from contwalk.verification.solving import Solution
 
@@ -21,6 +25,20 @@ CROSSING = {"LP": 1, "HB": 2, "PD": 1, "NS": 2}
 
 def told(branch: Branch, point: SpecialPoint, equations: Equations, found: Solution) -> tuple[str, str]:
     """A verdict and its reason on what a point says beside its place."""
+    numbers = kept(equations, found)
+    at_limit = on_limit(branch) or point.label in (*KINDS, "BE") or point.label.startswith("GR")
+    found_ = [
+        _critical(branch, point, equations, found),
+        kept_or_not(point.admissible, numbers, at_limit),
+        margins_agree(point.margin, numbers, _claim(branch, point, found)),
+    ]
+    return next(
+        (each for word in (DISAGREES, CANNOT_TELL) for each in found_ if each[0] == word), (AGREES, "")
+    )
+
+
+def _critical(branch: Branch, point: SpecialPoint, equations: Equations, found: Solution) -> tuple[str, str]:
+    """A verdict and its reason on eigenvalues, counts, and which way what leaves it turns."""
     located = branch.info.problem != LOCUS
     if (located and point.label in CROSSING) or point.label in RESONANCES:
         if reason := _meaningless(branch, point, found, equations.unit):
@@ -28,6 +46,14 @@ def told(branch: Branch, point: SpecialPoint, equations: Equations, found: Solut
         if reason := _spectrum(branch, point, found) or _counts(branch, point, found, equations.unit):
             return DISAGREES, reason
     return judged(branch, point, equations, found) if located else (AGREES, "")
+
+
+def _claim(branch: Branch, point: SpecialPoint, found: Solution) -> float:
+    """The largest error that a point tells, in parts of what it has moved by and is known to."""
+    names = branch.info.free
+    told_ = [point.error if i == 0 else point.errors.get(name) for i, name in enumerate(names)]
+    off = np.abs(found.moved[-len(names) :]) + found.error[-len(names) :]
+    return float(np.max(np.array(told_, dtype=float) / off))
 
 
 def _meaningless(branch: Branch, point: SpecialPoint, found: Solution, unit: bool) -> str:

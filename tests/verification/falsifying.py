@@ -15,6 +15,7 @@ ROWS = {
     "its stability turned": ("stable", lambda row: 1 - row["stable"]),
     "one more unstable direction": ("unstable", lambda row: row["unstable"] + 1),
     "another leading eigenvalue": ("spectrum", lambda row: 1.001 * row["spectrum"] + 0.1),
+    "its admissibility turned": ("admissible", lambda row: not row["admissible"]),
     "another state": (
         "unknowns",
         lambda row: row["unknowns"] + 1e-3 * row["weights"][: len(row["unknowns"])],
@@ -41,6 +42,9 @@ def points(branch: Branch, point: SpecialPoint) -> Iterator[tuple[str, SpecialPo
     for which in range(len(branch.info.free)):
         for way in (100.0, -100.0):
             yield f"{branch.info.free[which]} moved by {way:+g} errors", moved(branch, point, way, which)
+    yield "admissible turned", replace(point, admissible=not point.admissible)
+    for name, value in point.margin.items():
+        yield f"margin {name} changed", replace(point, margin={**point.margin, name: 1.01 * value + 0.01})
     if branch.info.problem == LOCUS:
         return
     if point.criticality:
