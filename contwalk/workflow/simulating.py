@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from contwalk.numerics.threads import one_thread
 from contwalk.problems.equilibrium.declared import named_equilibria
 from contwalk.storage.csv_files import write_csv
 from contwalk.system.falling import FALLEN
+from contwalk.system.held import settled
 from contwalk.workflow.made_with import made_with
 from contwalk.workflow.quantities import listed, values_along
 from contwalk.workflow.run_file.figures import FigureSpec
@@ -108,8 +110,18 @@ def moved(run: SimulationFile, progress: Callable[[float], None] | None = None) 
         For a start that is none, and a field without a value there.
     """
     state, parameters, itinerary = start_of(run.system, run.start)
+    parameters = settled(run.system, parameters)
     report = progress or (lambda t: None)
-    if run.smooth:
+    if run.iterates:
+        from contwalk.workflow.simulating_maps import iterated
+
+        if itinerary is not None:
+            from contwalk.workflow.simulating_hybrid import on_orbit
+
+            state = on_orbit(run.system, itinerary).state
+        number, points = math.floor(float(run.simulation.until)), run.simulation.points
+        motion = iterated(run.system, parameters, state + run.perturbation, number, points, report)
+    elif run.smooth:
         motion = _smoothly(run, state + run.perturbation, parameters, report)
     else:
         motion = _through_transitions(run, state, itinerary, parameters, report)

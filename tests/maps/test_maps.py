@@ -231,3 +231,40 @@ def test_what_is_no_map():
     for text in ("x+ = x/2; period = 1", "x+ = x/2; event e: x falls, x = 1"):
         with pytest.raises(SystemDefinitionError, match="a map has neither a period nor events"):
             cw.system_from_text(text)
+
+
+CHAOTIC = "x+ = 1 - a*x^2 + y; y+ = b*x; a = 1.4; b = 0.3"
+
+
+def test_a_motion_is_its_iterates(contwalk, tmp_path):
+    """As a loop in Python has them, but for rounding that the map makes larger."""
+    (tmp_path / "henon.yaml").write_text(
+        f'system: {{equations: "{CHAOTIC}"}}\nstart: {{state: {{x: 0.1, y: 0.2}}}}\nsimulate: {{until: 12}}\n'
+    )
+    code, said = contwalk("simulate", "henon.yaml", "--no-figures")
+    assert (code, "12 steps" in said) == (0, True), said
+    table = np.loadtxt(tmp_path / "henon_trajectory.csv", delimiter=",", skiprows=1)
+    x, y, exact = 0.1, 0.2, [(0.1, 0.2)]
+    for _ in range(12):
+        x, y = 1 - 1.4 * x * x + y, 0.3 * x
+        exact.append((x, y))
+    assert table[:, 0].tolist() == list(range(13))
+    assert table[:, 1:] == pytest.approx(np.array(exact), rel=1e-12)
+    code, said = contwalk(
+        "simulate", "henon.yaml", "--no-figures", "--force", "--set", "simulate.until=200000"
+    )
+    assert (code, "200000 steps" in said) == (0, True), said
+    table = np.loadtxt(tmp_path / "henon_trajectory.csv", delimiter=",", skiprows=1)
+    assert table.shape == (1000, 3)
+    assert (table[0, 0], table[-1, 0]) == (0.0, 200000.0)
+    assert np.abs(table[:, 1]).max() < 1.3
+
+
+def test_a_motion_ends_where_a_map_has_no_value(contwalk, tmp_path):
+    (tmp_path / "log.yaml").write_text(
+        'system: {equations: "x+ = log(x)"}\nstart: {state: {x: 2.0}}\nsimulate: {until: 9}\n'
+    )
+    code, said = contwalk("simulate", "log.yaml", "--no-figures")
+    assert (code, "no finite value at iterate 3" in said) == (1, True), said
+    table = np.loadtxt(tmp_path / "log_trajectory.csv", delimiter=",", skiprows=1)
+    assert table[:, 1] == pytest.approx([2.0, math.log(2), math.log(math.log(2))], rel=1e-15)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from contwalk.system import System
+from contwalk.system.modes import ITERATED
 from contwalk.workflow.file_names import output_of
 from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.document import Key
@@ -51,6 +52,12 @@ class SimulationFile(MotionFile):
         """Whether there is one mode, nothing acts on it but its field, and nothing ends its motions."""
         system = self.system
         return len(system.modes) == 1 and not system.acting and system.fallen is None
+
+    @property
+    def iterates(self) -> bool:
+        """Whether a map is iterated so many times, and nothing else is watched."""
+        plain = self.system.fallen is None and self.report_at is None
+        return plain and self.system.modes[0].kind == ITERATED and self.simulation.until != "settled"
 
 
 def read_simulation(
