@@ -10,6 +10,8 @@ from contwalk.labels import END
 
 # A value may differ by so many times what the two error estimates together allow: estimates are estimates.
 SLACK = 5.0
+# A record that moved by so many of its errors is to be told, so the second computation is as exact as that.
+MOVED = 100.0
 AGREES, DISAGREES, CANNOT_TELL = "AGREES", "DISAGREES", "CANNOT TELL"
 
 

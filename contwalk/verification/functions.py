@@ -100,7 +100,9 @@ class Functions:
 
     def __init__(self, system: System, parameters: Parameters) -> None:
         self.system, self.parameters = system, parameters
-        self.longest, self.switches = 0, 0  # right-hand sides of the longest motion; changes of modes
+        # Of the motion that took most right-hand sides: these, its duration and its tolerance.
+        self.taken: tuple[int, float, float] | None = None
+        self.switches = 0  # changes of modes
         self._known: dict[tuple, Function] = {}
 
     def field(self, mode: str) -> Function:

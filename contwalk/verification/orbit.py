@@ -6,7 +6,7 @@ where deviations grow on it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,9 +17,9 @@ from contwalk.errors import called
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 from contwalk.verification.equations import Equations, Evaluation, along_pins, pin_rows, without
-from contwalk.verification.finding import CannotTell
+from contwalk.verification.finding import MOVED, CannotTell
 from contwalk.verification.functions import Functions, Parameters
-from contwalk.verification.passage import EPSILON, Passage, passed
+from contwalk.verification.passage import EPSILON, Passage, grown, passed
 from contwalk.verification.stored_orbit import stored_orbit
 
 
@@ -143,10 +143,10 @@ class OrbitEquations(Equations):
         values = ParameterValues(**self.functions.parameters.by_name(free))
         return float(called("period", self.functions.system.period, values))
 
-    def settle(self, relative: float, most: float = 1e2, looked: int = 8, cuts: int = 64) -> None:
+    def settle(self, relative: float, looked: int = 8, cuts: int = 64) -> None:
         """Cut pieces over which deviations grow, at states of a first motion; see how large the states are.
 
-        On one piece they grow `most` times at most: the equations are known to as many digits less. Over
+        On one piece they grow `MOVED` times at most: the equations are known to as many digits less. Over
         `looked` parts of a piece it is looked at how they grow; one is cut into `cuts` at most.
         """
         legs = self.at(self.z, relative).legs
@@ -164,10 +164,10 @@ class OrbitEquations(Equations):
                 begin, end = float(whole.times[0]), float(whole.times[-1])
                 pieces, inner = [whole], self._cut(leg.mode, whole, looked, relative)
                 if (
-                    max(_grown(inner, scale, looked)) > most
+                    max(grown(inner, scale, looked)) > MOVED
                 ):  # those that shrink again have grown all the same
                     pieces = inner
-                while len(pieces) < cuts and max(_grown(pieces, scale, 1)) > most:
+                while len(pieces) < cuts and max(grown(pieces, scale, 1)) > MOVED:
                     pieces = self._cut(leg.mode, whole, 2 * len(pieces), relative)
                 own += [piece.states[0] for piece in pieces]
                 times += [begin + (end - begin) * k / len(pieces) for k in range(len(pieces))]
@@ -203,17 +203,6 @@ class OrbitEquations(Equations):
             work.leg(number)
         work.closed()
         return work.evaluation()
-
-
-def _grown(pieces: list[Passage], scale: np.ndarray, most: int) -> Iterator[float]:
-    """By how much deviations grow over each of some pieces, and over several up to so many in a row, in units
-    of the states, shape (n,).
-    """
-    for i in range(len(pieces)):
-        product = np.eye(len(pieces[i].end))
-        for piece in pieces[i : i + most]:
-            product = piece.derivative[:, 1 : 1 + len(product)] @ product
-            yield float(np.linalg.norm(product / scale[:, None] * scale, 2))
 
 
 class _Assembly:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,20 +11,25 @@ import numpy as np
 
 from contwalk.numerics.linear import EPSILON
 from contwalk.verification import budget
-from contwalk.verification.finding import CannotTell
+from contwalk.verification.finding import SLACK, CannotTell
 from contwalk.verification.functions import Function, Functions
 
 # The tightest relative tolerance that SciPy takes is 100 roundings. Each result is computed with that, and
 # with ten times as much, to see what the tolerance makes of it.
 TIGHT = 100.0 * EPSILON
 COARSER = 10.0
-# Right-hand sides of one motion at most, a minute of them; and many times those of the longest one before, at
-# whatever tolerance: what takes more is stiff, or its terms are rounded by more than the tolerance.
+# Right-hand sides of one motion at most, a minute of them.
 MOST_CALLS = 2_000_000
+# The explicit method, and the one that is followed where that takes many times as much: where it is stiff.
+EXPLICIT, STIFF = "DOP853", "LSODA"
 
 
 class CannotIntegrate(CannotTell):
     """A motion that SciPy does not follow to its end."""
+
+
+class TooManySteps(CannotIntegrate):
+    """One that takes more than a motion should."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +109,17 @@ def passed(
     return Passage(*passed_, tuple(modes))
 
 
+def grown(pieces: list[Passage], scale: np.ndarray, most: int) -> Iterator[float]:
+    """By how much deviations grow over each of some pieces, and over several up to so many in a row, in units
+    of the states, shape (n,).
+    """
+    for i in range(len(pieces)):
+        product = np.eye(len(pieces[i].end))
+        for piece in pieces[i : i + most]:
+            product = piece.derivative[:, 1 : 1 + len(product)] @ product
+            yield float(np.linalg.norm(product / scale[:, None] * scale, 2))
+
+
 def reached(
     functions: Functions,
     mode: str,
@@ -141,11 +158,39 @@ class _Motion:
     width: int
 
     def followed(self, mode: str, t: float, y: np.ndarray, end: float) -> Any:
-        """A motion in one mode, up to a soft transition, as SciPy has it; y has the shape (n + n width,)."""
+        """A motion in one mode, up to a soft transition, as SciPy has it; y has the shape (n + n width,).
+
+        It is stiff where the explicit method takes many times the right-hand sides that the other one did for
+        the first motion of the record.
+        """
+        functions = self.functions
+        if end == t:
+            return self._by(EXPLICIT, mode, t, y, end, MOST_CALLS)
+        if functions.taken is None:
+            with suppress(CannotIntegrate):
+                self._by(STIFF, mode, t, y, end, MOST_CALLS)
+            functions.taken = functions.taken or (MOST_CALLS, abs(end - t), self.relative)
+        try:
+            return self._by(EXPLICIT, mode, t, y, end, self._most(end - t))
+        except TooManySteps:
+            return self._by(STIFF, mode, t, y, end, MOST_CALLS)
+
+    def _most(self, lasts: float, order: int = 8) -> int:
+        """How many right-hand sides the explicit method may take by what another motion took.
+
+        They grow as the root of its order of how much smaller the tolerance is.
+        """
+        assert self.functions.taken is not None
+        calls, known, relative = self.functions.taken
+        longer = max(abs(lasts) / known, 1.0)
+        finer = max(relative / self.relative, 1.0) ** (1.0 / order)
+        return int(min(SLACK * calls * longer * finer, MOST_CALLS))
+
+    def _by(self, method: str, mode: str, t: float, y: np.ndarray, end: float, most: int) -> Any:
+        """A motion by one method, of so many right-hand sides at most."""
         from scipy.integrate import solve_ivp
 
         functions, width, calls = self.functions, self.width, 0
-        most = min(100 * max(functions.longest, 200), MOST_CALLS) if functions.longest else MOST_CALLS
         field, n = functions.field(mode), len(y) // (1 + width)
         field.at(self.p)
         whole = np.eye(width)  # the time, the states and the free parameters, by themselves
@@ -155,8 +200,8 @@ class _Motion:
             calls += 1
             budget.ask()
             if calls > most:
-                raise CannotIntegrate(
-                    "SciPy's DOP853 takes too many steps: the field is stiff there, or rounded."
+                raise TooManySteps(
+                    f"SciPy's {method} takes too many steps: the field is stiff there, or rounded."
                 )
             f, moved = field.linear(t, y[:n])
             if not width:
@@ -172,13 +217,14 @@ class _Motion:
         ]
         given = {"rtol": self.relative, "atol": self.relative * self.sizes, "events": softs or None}
         with np.errstate(all="ignore"):  # what is not finite shows in what comes out
-            found = solve_ivp(right, (t, end), y, method="DOP853", **given)
-        functions.longest = max(functions.longest, calls)
+            found = solve_ivp(right, (t, end), y, method=method, **given)
+        if end != t and (functions.taken is None or calls > functions.taken[0]):
+            functions.taken = calls, abs(end - t), self.relative
         functions.switches += len(softs) > 0 and found.status == 1
         if functions.switches > MOST_CALLS // 200:  # a motion that only changes its mode ends as well
             raise CannotIntegrate("The motion changes its mode again and again.")
         if found.status < 0 or not np.isfinite(found.y[:, -1]).all():
-            raise CannotIntegrate(f"SciPy's DOP853 does not follow the motion: {found.message}")
+            raise CannotIntegrate(f"SciPy's {method} does not follow the motion: {found.message}")
         return found
 
 

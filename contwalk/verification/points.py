@@ -21,6 +21,7 @@ from contwalk.verification.finding import (
     AGREES,
     CANNOT_TELL,
     DISAGREES,
+    MOVED,
     SLACK,
     CannotTell,
     Contradiction,
@@ -38,8 +39,6 @@ from contwalk.verification.words import told
 GRAZINGS = ("GRLP", "GRPD", "GRNS")
 # Points of curves whose own conditions say what the curve is of.
 WHOLE = (*BOTH, *RESONANCES, "BT", "CP")
-# A record that moved by so many of its errors is to be told, so the second computation is as exact as that.
-MOVED = 100.0
 
 
 def checked_point(system: System, branch: Branch, point: SpecialPoint) -> Finding:

@@ -13,7 +13,7 @@ from contwalk.verification.admissible import judged, kept
 from contwalk.verification.branching import Unfolded
 from contwalk.verification.curves import of_curve, on_limit, unfolds
 from contwalk.verification.equations import Equations
-from contwalk.verification.finding import AGREES, DISAGREES, SLACK, CannotTell, Finding
+from contwalk.verification.finding import AGREES, DISAGREES, MOVED, SLACK, CannotTell, Finding
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import COARSER, TIGHT
 from contwalk.verification.records import equations_of, of_orbits
@@ -71,13 +71,16 @@ def _conditions(branch: Branch, row: int, equations: Equations, sheet: Sheet) ->
     return [*own, Held(equations.z, np.append(np.zeros(equations.size), along))]
 
 
-def _tolerance(branch: Branch, row: int, part: float = 1e-4) -> float:
-    """The coarser tolerance of motions: a part of what the row says that it is known to."""
+def _tolerance(branch: Branch, row: int) -> float:
+    """The coarser tolerance of motions by what the row says that it is known to.
+
+    As much smaller as errors grow on a piece, and as a check that sees so many errors has to see one.
+    """
     at = branch.points[row]
     leading = max(abs(complex(at["spectrum"][0])) if len(at["spectrum"]) else 1.0, 1.0)
     claims = [float(at["error"]), float(at["spectrum_error"]) / leading]
     known = min((each for each in claims if each > 0.0), default=0.0)  # what is not a number is not known
-    return float(np.clip(part * known, COARSER * TIGHT, ROUGH))
+    return float(np.clip(known / (MOVED * MOVED), COARSER * TIGHT, ROUGH))
 
 
 def _compared(branch: Branch, row: int, equations: Equations) -> tuple[np.ndarray, np.ndarray]:
