@@ -14,7 +14,7 @@ from contwalk.verification.branching import Unfolded
 from contwalk.verification.curves import of_curve, unfolds
 from contwalk.verification.equations import Equations, Evaluation
 from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, SLACK, CannotTell, Finding
-from contwalk.verification.limits import INSTANT
+from contwalk.verification.limits import KINDS, named
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import COARSER, EPSILON, TIGHT
 from contwalk.verification.records import equations_of, of_orbits
@@ -48,7 +48,7 @@ def checked_end(system: System, branch: Branch, end: SpecialPoint, ranges: Range
             met = any(
                 point.label.startswith(LIMITS[word]) and point.s == end.s for point in branch.special_points
             )
-            if not met and INSTANT.search(end.note or ""):
+            if not met and _names(system, branch, end, LIMITS[word]):
                 raise CannotTell("the limit that it names is farther ahead than the branch goes")
             verdict, reason = _told(met, f"no {LIMITS[word]} is there")
         elif NOT_KEPT in (end.note or ""):
@@ -68,6 +68,15 @@ def checked_end(system: System, branch: Branch, end: SpecialPoint, ranges: Range
     except CannotTell as why:
         verdict, reason = CANNOT_TELL, str(why)
     return replace(begun, verdict=verdict, reason=reason)
+
+
+def _names(system: System, branch: Branch, end: SpecialPoint, label: str) -> bool:
+    """Whether an end names a number of its orbit that is zero at a limit of a label."""
+    if not of_orbits(branch):
+        return False
+    equations = equations_of(system, branch, end.index)
+    assert isinstance(equations, OrbitEquations)
+    return label in KINDS and bool(named(label, end, equations, equations.at(equations.z, ROUGH))[1])
 
 
 def _told(right: bool, why: str) -> tuple[str, str]:
@@ -211,13 +220,23 @@ def _homoclinic(system: System, branch: Branch, end: SpecialPoint) -> tuple[str,
         return DISAGREES, "the orbit is beside no equilibrium"
     if float(speeds.min()) < NEARER * float(np.mean(speeds)):
         return AGREES, ""
-    # One that is slow all along is no slower there: its period runs off all the same.
-    near = branch.points[end.index : end.index + 2] if end.index == 0 else branch.points[end.index - 1 :]
-    longer = abs(float(np.diff(near["period"])[0])) / float(period.max())
-    moved = float(np.linalg.norm(np.diff(near["free"], axis=0) / _sizes_of_free(branch, end.index)))
-    if moved < NEARER * longer:
+    if _runs_off(branch, end):
         raise CannotTell("the orbit passes an equilibrium, beside which it is not slow yet")
     return DISAGREES, "the orbit does not slow down"
+
+
+def _runs_off(branch: Branch, end: SpecialPoint) -> bool:
+    """Whether a period does that is slow all along: as a logarithm of what is left, which is its slope over
+    how fast that grows, no farther than the branch has gone with its last step.
+    """
+    last = branch.points[:3][::-1] if end.index == 0 else branch.points[-3:]
+    if len(last) < 3:
+        return False
+    moved = np.linalg.norm(np.diff(last["free"], axis=0) / _sizes_of_free(branch, end.index), axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = np.diff(last["period"]) / moved
+        ahead = slopes[1] * moved.mean() / (slopes[1] - slopes[0])
+    return bool(0.0 < ahead <= moved[1])
 
 
 def _shrunk(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str]:

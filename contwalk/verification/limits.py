@@ -58,12 +58,7 @@ def limit(label: str, point: SpecialPoint, equations: OrbitEquations, begin: Eva
     point : SpecialPoint
         Its kind, or its note, names a guard or a condition.
     """
-    named = re.findall(r"'([^']+)'", point.note or "")
-    name = named[0] if named else str(point.kind)
-    kinds = KINDS[label]
-    if "no rate" in (point.note or ""):
-        kinds = (RATE,)
-    found = [each for kind in kinds for each in numbers(equations, begin, name, kind)]
+    name, found = named(label, point, equations, begin)
     if not found:
         raise CannotTell(f"The orbit has no number '{name}' that could be zero.")
     told, mode = INSTANT.search(point.note or ""), _MODE.search(point.note or "")
@@ -77,6 +72,16 @@ def limit(label: str, point: SpecialPoint, equations: OrbitEquations, begin: Eva
         return late + abs(number.value) / number.scale
 
     return _kept_zero(equations, min(found, key=away), name)
+
+
+def named(
+    label: str, point: SpecialPoint, equations: OrbitEquations, begin: Evaluation
+) -> tuple[str, list[Number]]:
+    """The name of the guard or condition that a record is about, and the orbit's numbers of that name."""
+    quoted = re.findall(r"'([^']+)'", point.note or "")
+    name = quoted[0] if quoted else str(point.kind)
+    kinds = (RATE,) if "no rate" in (point.note or "") else KINDS[label]
+    return name, [each for kind in kinds for each in numbers(equations, begin, name, kind)]
 
 
 def limit_of_curve(stored: Mapping[str, Any], equations: OrbitEquations, begin: Evaluation) -> Condition:

@@ -70,8 +70,9 @@ def _meaningless(branch: Branch, point: SpecialPoint, found: Solution, unit: boo
     if trivial > NO_DIGIT and point.label != "LP":
         return f"the trivial multiplier is off by {trivial:.2g}, so that the others say nothing"
     leading = max(abs(complex(row["spectrum"][0])), 1.0)
-    # Of a double one the sum and the product, which are what is compared, are known all the same.
-    if point.label not in ("R1", "R2") and row["spectrum_error"] > NO_DIGIT * leading:
+    # Of a double one, known to the root of it, the sum and the product, which are compared, are known better.
+    power = 2.0 if point.label in ("R1", "R2") else 1.0
+    if row["spectrum_error"] ** power > NO_DIGIT * leading:
         return f"the leading multiplier is known to {row['spectrum_error']:.2g} only"
     return ""
 
