@@ -17,7 +17,7 @@ from contwalk.verification.branching import Unfolded
 from contwalk.verification.equations import Equations, Evaluation
 from contwalk.verification.equilibrium import EquilibriumEquations
 from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, SLACK
-from contwalk.verification.limits import extreme, with_rate
+from contwalk.verification.limits import extremes, with_rate
 from contwalk.verification.orbit import Leg, OrbitEquations
 from contwalk.verification.passage import EPSILON
 from contwalk.verification.solving import Solution
@@ -148,8 +148,9 @@ class _Orbit:
         yield from self._conditions(number, leg, starts)
         if momentary:
             yield from self._past(leg, starts[0], own)
+        if momentary or self._still(number):
             return
-        if own is not None and own.role == "hard" and not self._still(number):
+        if own is not None and own.role == "hard":
             yield Kept(f"{own.name}_duration", leg.duration, SLACK * float(self.lasting[number]))
         modes = dict.fromkeys(mode for piece in leg.pieces for mode in (*piece.modes, piece.mode))
         guards = [each for mode in modes for each in system.leaving(mode) if each.role != "soft"]
@@ -192,7 +193,7 @@ class _Orbit:
             sign = self._sign(number, transition, own, part)
             turns = [(sign * each.value, each.error) for each in part if each.turns]
             yield from (Kept(name, way * v, error, False) for v, error in turns for way in (1.0, -1.0))
-            if own and transition.role == "hard" and not self._still(number):
+            if own and transition.role == "hard":
                 last = part[-1]
                 yield Kept(f"{name}_rate", -sign * last.rate, last.rate_error)
             # One that begins, or ends, at zero is judged by where it goes from there, or has come from.
@@ -247,8 +248,8 @@ class _Orbit:
                 n = len(start)
                 off = tangent[:, 1 : 1 + n] @ start + tangent[:, 1 + n :] @ self.free
                 seen = self._seen(known[0], float(piece.times[k]), piece.states[k], off, lasting)
-                if part and part[-1].rate * seen.rate < 0.0 and seen.time != part[-1].time:
-                    part.append(self._extreme(part[-1], seen, mode))
+                if part and seen.time != part[-1].time:
+                    part += self._extremes(part[-1], seen, part[-1].transition.source)
                 part.append(seen)
         if part:
             yield _ended(part)
@@ -270,11 +271,12 @@ class _Orbit:
         own = SLACK * (float(error) + abs(float(slope[0, 0])) * self.when)
         return _Seen(transition, t, x, value, own, rate, SLACK * max(beside))
 
-    def _extreme(self, before: _Seen, seen: _Seen, mode: str) -> _Seen:
-        """A guard where it is extreme between two steps."""
-        guard = self.functions.guard(seen.transition)
-        time, value = extreme(self.equations, mode, guard, before.time, before.x, seen.time, self.p)
-        return replace(seen, time=time, value=value, turns=True)
+    def _extremes(self, before: _Seen, seen: _Seen, mode: str) -> list[_Seen]:
+        """A guard where it turns between two steps."""
+        ends = [(each.time, each.value, each.rate) for each in (before, seen)]
+        guard = self.functions.guard(before.transition)
+        found = extremes(self.equations, mode, guard, before.x, ends[0], ends[1], self.p)
+        return [replace(seen, time=time, value=value, turns=True) for time, value, _ in found]
 
 
 def _ended(part: list[_Seen]) -> list[_Seen]:

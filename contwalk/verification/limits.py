@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -39,13 +40,17 @@ _MODE = re.compile(r"in mode ([^:;,. ]+)")
 
 @dataclass(frozen=True)
 class Number:
-    """One number of an orbit: of which kind, on which leg, so long after its start, and its size there."""
+    """One number of an orbit: of which kind, on which leg, so long after its start, and its size there.
+
+    A guard is least there where its rate rises, by `way` 1, and largest by -1.
+    """
 
     kind: str
     leg: int
     instant: float
     value: float
     scale: float
+    way: float = 0.0
 
 
 def limit(label: str, point: SpecialPoint, equations: OrbitEquations, begin: Evaluation) -> Condition:
@@ -100,7 +105,11 @@ def _kept_zero(equations: OrbitEquations, best: Number, name: str) -> Condition:
     """That a number is zero, beside the place where it was found."""
 
     def condition(at: Evaluation) -> float:
-        same = [each for each in numbers(equations, at, name, best.kind) if each.leg == best.leg]
+        same = [
+            each
+            for each in numbers(equations, at, name, best.kind)
+            if (each.leg, each.way) == (best.leg, best.way)
+        ]
         if not same:
             raise CannotTell(f"'{name}' has no such number beside the point.")
         return min(same, key=lambda each: abs(each.instant - best.instant)).value / best.scale
@@ -151,9 +160,10 @@ def _guarded(
         yield Number(kind, number, times[-1] - leg.start, values[-1], scale)
     if kind != TOUCH:
         return
-    for k in np.flatnonzero((rates[:-1] * rates[1:] < 0.0) & (np.diff(times) != 0.0)):
-        t, value = extreme(equations, mode, guard, float(times[k]), states[k], float(times[k + 1]), p)
-        yield Number(kind, number, t - leg.start, value, scale)
+    for k in np.flatnonzero(np.diff(times) != 0.0):
+        ends = [(float(times[j]), float(values[j]), float(rates[j])) for j in (k, k + 1)]
+        for t, value, way in extremes(equations, mode, guard, states[k], ends[0], ends[1], p):
+            yield Number(kind, number, t - leg.start, value, scale, way)
     if abs(rates[-1]) <= EPSILON**0.5 * fastest:  # it is touched where the leg ends
         yield Number(kind, number, times[-1] - leg.start, values[-1], scale)
 
@@ -166,27 +176,51 @@ def with_rate(
     return float(value[0]), float(slope[0, 0] + slope[0, 1 : 1 + len(x)] @ field(t, x, p)[0])
 
 
-def extreme(
+# A guard at an instant: this, its value and its rate.
+_At = tuple[float, float, float]
+
+
+def extremes(
     equations: OrbitEquations,
     mode: str,
     guard: Function,
-    t: float,
     x: np.ndarray,
-    end: float,
+    begin: _At,
+    end: _At,
     p: np.ndarray,
-) -> tuple[float, float]:
-    """Instant and value of a guard where it is extreme between two steps, from a state x, (n,), with
-    parameters (p,): its value there is known to the square of how exactly the instant is.
+) -> Iterator[_At]:
+    """Instants, values and ways of a guard where it turns between two steps: its value there is known to the
+    square of how exactly the instant is. From a state x, (n,), with parameters (p,).
     """
     functions, scale = equations.functions, equations._scale(mode)
-    field = functions.field(mode)
+    field, t = functions.field(mode), begin[0]
 
     def at(tau: float) -> tuple[float, float]:
         there = x if tau == t else passed(functions, mode, t, x, tau - t, p, scale, TIGHT).end
         return with_rate(guard, field, tau, there, p)
 
-    tau = zero_between(lambda tau: at(tau)[1], t, end)
-    return tau, at(tau)[0]
+    for first, last in pairwise([begin, *_inside(at, begin, end), end]):
+        if first[2] * last[2] < 0.0:
+            tau = zero_between(lambda tau: at(tau)[1], first[0], last[0])
+            yield tau, at(tau)[0], float(np.sign(last[2]))
+
+
+def _inside(at: Callable[[float], tuple[float, float]], begin: _At, end: _At, depth: int = 3) -> list[_At]:
+    """Instants inside of a step, of rates of one sign at both ends, at which a guard may have turned twice.
+
+    That is where the rate of the cubic through both ends is least, and so on in both parts.
+    """
+    (t, value, rate), (later, then, fast) = begin, end
+    if not depth or rate * fast <= 0.0:
+        return []
+    mean = (then - value) / (later - t)
+    b, a = 2.0 * (3.0 * mean - 2.0 * rate - fast), 3.0 * (rate + fast - 2.0 * mean)
+    share = -0.5 * b / a if a else 0.0
+    if not 0.0 < share < 1.0 or abs(rate + share * (b + a * share)) >= min(abs(rate), abs(fast)):
+        return []
+    tau = t + share * (later - t)
+    inner = (tau, *at(tau))
+    return [*_inside(at, begin, inner, depth - 1), inner, *_inside(at, inner, end, depth - 1)]
 
 
 def _conditions(
