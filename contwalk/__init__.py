@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from contwalk.shortcuts.diagrams import diagram as diagram
     from contwalk.shortcuts.from_sympy import system_from_sympy as system_from_sympy
     from contwalk.shortcuts.models import model as model
+    from contwalk.shortcuts.motions import motion as motion
     from contwalk.storage import open_database as open_database
     from contwalk.studies.loci import continue_locus as continue_locus
     from contwalk.studies.verbs import continue_branch as continue_branch
@@ -55,6 +56,7 @@ _HOMES = {
     "explore": "contwalk.explorer.exploring",
     "load_system": "contwalk.plugin_check.at_load",
     "model": "contwalk.shortcuts.models",
+    "motion": "contwalk.shortcuts.motions",
     "open_database": "contwalk.storage",
     "plot_bifurcation_diagram": "contwalk.plotting",
     "plot_eigenvalues": "contwalk.plotting",
