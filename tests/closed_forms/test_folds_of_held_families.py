@@ -44,3 +44,28 @@ def test_folds_of_a_circle_in_one_of_its_coordinates(growth: float):
     assert (curve["stable"] == int(growth < 0.0)).all()
     found = checked(system, records_of([branch, curve]), RANGES, math.inf)
     assert [each for each in found if each.verdict != AGREES] == []
+
+
+@pytest.mark.parametrize("growth", [-2.0, 0.6])
+def test_orbits_on_a_circle_are_as_stable_where_it_turns_back(growth: float):
+    """Its multipliers are those of the cycle itself and the one of the way off the circle."""
+
+    def field(t, x, p, dx):
+        left = 1.0 - x[0] ** 2 - x[1] ** 2
+        dx[0] = left * x[0] - 6.0 * x[1]
+        dx[1] = 6.0 * x[0] + left * x[1]
+        off = 0.5 * growth * (x[2] ** 2 + x[3] ** 2 - 1.0)
+        dx[2] = off * x[2]
+        dx[3] = off * x[3]
+
+    def along(t, x, p, v):
+        v[0], v[1], v[2], v[3] = 0.0, 0.0, -x[3], x[2]
+
+    neutral = Neutral("along", along, pin="a", value="place")
+    system = small_system(field, "xyab", {"place": 0.8}, neutral=(neutral,))
+    orbit = cw.PeriodicOrbit(system, system.defaults(), "place")
+    branch = cw.continue_branch(orbit, [1.0, 0.0, 0.8, 0.6], (0.7, 1.5), period=math.pi / 3.0)
+    assert branch["place"].max() == pytest.approx(1.0, abs=1e-9)  # it turns back there
+    wanted = sorted(np.exp(np.array([-2.0, growth]) * math.pi / 3.0))[::-1]
+    np.testing.assert_allclose(branch.points["spectrum"].real, [wanted] * len(branch), rtol=1e-6)
+    assert (branch["stable"] == int(growth < 0.0)).all()
