@@ -211,7 +211,7 @@ def _inside(at: Callable[[float], tuple[float, float]], begin: _At, end: _At, de
     That is where the rate of the cubic through both ends is least, and so on in both parts.
     """
     (t, value, rate), (later, then, fast) = begin, end
-    if not depth or rate * fast <= 0.0:
+    if not depth or rate * fast <= 0.0 or later == t:
         return []
     mean = (then - value) / (later - t)
     b, a = 2.0 * (3.0 * mean - 2.0 * rate - fast), 3.0 * (rate + fast - 2.0 * mean)
