@@ -114,9 +114,9 @@ def _turning(segment: Segment, least: float) -> tuple[dict[int, list[float]], li
 
     With them what is told of those that come as near to zero as they are known.
 
-    One that is at zero where the segment begins, by as much as `least`, leaves it. One that is larger than
-    the step is long would have to change faster than anything that is watched, and one that is as large as
-    they are told has no instant there.
+    One that is at zero at an end, by as much as `least`, is passed there, or leaves it. One that is larger
+    than the step is long would have to change faster than anything that is watched, and one that is as large
+    as they are told has no instant there.
     """
     a, b = segment.a.margins, segment.b.margins
     places: dict[int, list[float]] = {}
@@ -125,8 +125,7 @@ def _turning(segment: Segment, least: float) -> tuple[dict[int, list[float]], li
         return places, hidden
     with np.errstate(invalid="ignore"):
         nearer = np.minimum(np.abs(a), np.abs(b))
-        known = max(least, Margin(segment).error(segment.a))
-        near = (a * b > 0.0) & (nearer < segment.length) & (nearer > known)
+        near = (a * b > 0.0) & (nearer < segment.length) & (nearer > least)
         near = np.flatnonzero(near & (np.maximum(np.abs(a), np.abs(b)) < 1.0))
     for which in near.tolist():
         own = Margin(segment, which)

@@ -54,3 +54,56 @@ def test_both_grazings_about_a_peak_are_located(depth, tmp_path):
 @pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-8])
 def test_a_peak_that_does_not_reach_the_stop_makes_none(depth, tmp_path):
     assert not grazings(tmp_path, amplitude(math.sqrt(1.0 - 2.0 * ZETA**2)) * (1.0 + depth))
+
+
+FASTER = """
+import math
+
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+RATE, FORCE, ZETA = {rate!r}, {force!r}, {zeta!r}
+
+
+def field(t, x, p, dx):
+    dx[0] = RATE * x[1]
+    dx[1] = RATE * (FORCE * math.cos(p.omega * RATE * t) - 2.0 * ZETA * x[1] - x[0])
+
+
+def rebound(t, x, p, out):
+    out[0] = x[0]
+    out[1] = -0.8 * x[1]
+
+
+SYSTEM = System(
+    "oscillator",
+    states=(State("q"), State("v")),
+    parameters=(Parameter("omega", 0.6), Parameter("gap", {gap!r})),
+    modes=(Mode("free", field),),
+    transitions=(Transition("hit", "free", "free", lambda t, x, p: p.gap - x[0], reset=rebound),),
+    period=lambda p: 2.0 * math.pi / (p.omega * RATE),
+)
+"""
+FAST_RUN = """
+contwalk: 1
+system: ./oscillator.py
+start: {simulate: {state: {q: 0.0, v: 0.0}, until: settled}}
+continue: {parameter: omega, range: [0.6, 1.4]}
+events: {GR: ignore}
+"""
+
+
+@pytest.mark.parametrize("rate", [1e-4, 700.0])
+def test_both_are_located_in_any_unit_of_time(rate, tmp_path):
+    """The time at which a force's period begins was known to a part of a second, and so were the motions."""
+    gap = amplitude(math.sqrt(1.0 - 2.0 * ZETA**2)) * (1.0 - 1e-6)
+    b = 1.0 - 2.0 * ZETA**2
+    aside = math.sqrt(b * b - 1.0 + (FORCE / gap) ** 2)
+    system = FASTER.format(rate=rate, force=FORCE, zeta=ZETA, gap=gap)
+    (tmp_path / "oscillator.py").write_text(system, encoding="utf-8")
+    (tmp_path / "study.yaml").write_text(FAST_RUN, encoding="utf-8")
+    result = cw.run(cw.read_run_file(tmp_path / "study.yaml", output=tmp_path / "s.h5"), figures=False)
+    found = [p for p in result.branches[0].special_points if p.label == "GR"]
+    assert len(found) == 2
+    for point, square in zip(found, (b - aside, b + aside), strict=True):
+        assert abs(point.parameters["omega"] - math.sqrt(square)) <= 2.0 * point.error < 1e-8
+    assert result.branches[0].points["error"].max() < 1e-5

@@ -51,15 +51,16 @@ class LimitedOrbit(DiscretizedOrbit):
         )
 
     def largest_guards(self, z: np.ndarray) -> np.ndarray:
-        """Largest value of each leg's own guard on it, shape (m,); 1 where there is none.
+        """Largest value of each leg's own guard on it, shape (m,); of one without, 1 or the unit of times.
 
         z has the shape (N + 1,).
         """
-        scales = np.ones(self.layout.legs)
+        # What is zero where no guard is: the time at which a force's period begins, or a duration.
+        scales = np.full(self.layout.legs, self.mesh.total if self.forced else 1.0)
         for i, (leg, view) in enumerate(zip(self.itinerary.legs, self.view(z), strict=True)):
             if leg.transition is None:
                 continue
-            if leg.collapsed:  # what is zero is its duration
+            if leg.collapsed:
                 scales[i] = self.mesh.total
                 continue
             largest = float(np.abs(view.guard_values(leg.transition)).max())
