@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import groupby
+from itertools import count, groupby
 from typing import Any
 
 import numpy as np
@@ -55,19 +55,16 @@ class MachineOfBranch:
     heights: list[int] = field(default_factory=list)
     body: bytearray = field(default_factory=bytearray)
     _before: dict[int, Track] = field(default_factory=dict)
+    _known: dict[tuple[tuple[str, Any], ...], int] = field(default_factory=dict)
 
     def add(self, frames: Sequence[tuple[list[Element], np.ndarray | None]]) -> None:
         """The instants of one orbit: elements, and limits (left, right, low, high), shape (4,), or None."""
         common = None if all(limits is not None for _, limits in frames) else _around(frames)
-        height, places = 0, []
-        for elements, limits in frames:
-            view = limits if common is None or limits is None else common
-            view = common if view is None else view
-            assert view is not None
-            height = max(height, round(SCALE["view"] * abs((view[3] - view[2]) / (view[1] - view[0]))))
-            places.append(self._placed(elements, view, height))
-        tracks = self._tracks(places)
-        self.heights.append(height)
+        views = np.array([limits if common is None else common for _, limits in frames], dtype=float)
+        left, right, low, high = views.T
+        heights = np.maximum.accumulate(np.round(SCALE["view"] * np.abs((high - low) / (right - left))))
+        tracks = self._tracks(self._placed([elements for elements, _ in frames], views, heights))
+        self.heights.append(int(heights[-1]))
         self.tracks.append([[track.key, *track.form, len(track.values)] for track in tracks])
         for track in tracks:
             before = self._before.get(track.key)
@@ -86,49 +83,75 @@ class MachineOfBranch:
             "heights": self.heights,
         }
 
-    def _placed(self, elements: list[Element], view: np.ndarray, height: int) -> dict[int, np.ndarray]:
-        """Numbers of each element of an instant, by its key."""
-        left, right, _, high = view
-        unit = SCALE["view"] / (right - left)
-        counted: dict[Kind, int] = {}
-        found = {}
-        for element in elements:
-            x, y = element.points.T
-            if element.fixed:
-                at = SCALE["view"] * x + 1j * height * (1.0 - y)
-            else:
-                at = unit * ((x - left) + 1j * (high - y))
-            at = np.where(np.isfinite(at), at, 0.0)
-            look = self.looks.setdefault(json.dumps(dict(element.look), sort_keys=True), len(self.looks))
-            plain: Kind = (element.kind, look, element.text, len(at), 0)
-            counted[plain] = counted.get(plain, 0) + 1
-            key, numbers = self._numbers((*plain[:4], counted[plain]), at)
-            if element.kind == TEXT:
-                numbers = np.append(numbers, np.array(element.offset) * SCALE["outline"])
-            found[key] = np.round(numbers).astype(np.int64)
-        return found
+    def _placed(
+        self, frames: list[list[Element]], views: np.ndarray, heights: np.ndarray
+    ) -> list[dict[int, np.ndarray]]:
+        """Numbers of each element of each instant, by its key, those behind first.
 
-    def _numbers(self, kind: Kind, at: np.ndarray) -> tuple[int, np.ndarray]:
-        """The number of a key, and four numbers of an outline that has moved and turned; else both
-        coordinates of each of its points.
+        Elements of one kind are taken together, over all instants: views (f, 4), heights (f,).
         """
-        both = np.array([at.real, at.imag]).T.ravel()
+        kinds: dict[Kind, tuple[list[int], list[Element]]] = {}
+        order: list[list[Kind]] = []
+        for frame, elements in enumerate(frames):
+            counted: dict[Kind, int] = {}
+            shown = []
+            for element in elements:
+                plain: Kind = (element.kind, self._look(element), element.text, len(element.points), 0)
+                counted[plain] = counted.get(plain, 0) + 1
+                kind = (*plain[:4], counted[plain])
+                there, alike = kinds.setdefault(kind, ([], []))
+                there.append(frame)
+                alike.append(element)
+                shown.append(kind)
+            order.append(shown)
+        found: dict[tuple[Kind, int], tuple[int, np.ndarray]] = {}
+        for kind, (there, alike) in kinds.items():
+            entries = self._numbers(kind, _on_paper(alike, views[there], heights[there]))
+            for frame, element, (key, numbers) in zip(there, alike, entries, strict=True):
+                if element.kind == TEXT:
+                    numbers = np.append(numbers, np.array(element.offset) * SCALE["outline"])
+                found[kind, frame] = key, np.round(numbers).astype(np.int64)
+        return [dict(found[kind, frame] for kind in shown) for frame, shown in enumerate(order)]
+
+    def _look(self, element: Element) -> int:
+        """The number of an element's look."""
+        plain = tuple(element.look.items())
+        if plain not in self._known:
+            text = json.dumps(dict(element.look), sort_keys=True)
+            self._known[plain] = self.looks.setdefault(text, len(self.looks))
+        return self._known[plain]
+
+    def _numbers(self, kind: Kind, at: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        """Of elements of one kind, complex (m, k), each with the number of its key: four numbers of an
+        outline that has moved and turned; else both coordinates of each of its points.
+        """
+        both = np.stack([at.real, at.imag], axis=-1).reshape(len(at), -1)
         own = self.keys.setdefault(kind, [])
-        if len(at) < 4 or kind[0] == TEXT:
-            return (own[0] if own else self._new(kind, None)), both
-        middle = at.mean()
-        for key in own:
+        if at.shape[1] < 4 or kind[0] == TEXT:
+            key = own[0] if own else self._new(kind, None)
+            return [(key, numbers) for numbers in both]
+        middle = at.mean(axis=1)
+        found: dict[int, tuple[int, np.ndarray]] = {}
+        left = np.arange(len(at))
+        for tried in count():
+            if not len(left):
+                break
+            if tried == len(own):  # no outline that is known will do for the first of them
+                whole = len(own) < MOST["outlines"]
+                self._new(kind, at[left[0]] - middle[left[0]] if whole else None)
+            key = own[tried]
             shape = self.shapes[key]
-            turn = 0.0j if shape is None else _turn(shape, at - middle)
-            if shape is None:
-                return key, both
-            if np.max(np.abs(middle + turn * shape - at)) <= 1.0:
-                return key, np.array(
-                    [SCALE["turn"] * turn.real, SCALE["turn"] * turn.imag, middle.real, middle.imag]
-                )
-        if len(own) >= MOST["outlines"]:  # it changes its form
-            return self._new(kind, None), both
-        return self._new(kind, at - middle), np.array([SCALE["turn"], 0.0, middle.real, middle.imag])
+            if shape is None:  # it changes its form
+                found |= {int(row): (key, both[row]) for row in left}
+                break
+            turn = _turn(shape, at[left] - middle[left, None])
+            apart = middle[left, None] + turn[:, None] * shape - at[left]
+            near = np.max(np.abs(apart), axis=1) <= 1.0
+            for row, by in zip(left[near], turn[near], strict=True):
+                moved = [SCALE["turn"] * by.real, SCALE["turn"] * by.imag, middle[row].real, middle[row].imag]
+                found[int(row)] = key, np.array(moved)
+            left = left[~near]
+        return [found[row] for row in range(len(at))]
 
     def _new(self, kind: Kind, shape: np.ndarray | None) -> int:
         """A key, with an outline of its own or none."""
@@ -156,10 +179,24 @@ class MachineOfBranch:
         return found
 
 
-def _turn(shape: np.ndarray, at: np.ndarray) -> complex:
-    """By what an outline is turned and stretched, in the mean."""
+def _on_paper(alike: list[Element], views: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """Points of elements of one kind, complex (m, k), x to the right and y downwards; what is not finite is
+    zero. An element stands in a view (4,) of views (m, 4), with heights (m,), or is fixed on the axes.
+    """
+    points = np.array([element.points for element in alike])
+    x, y = points[..., 0], points[..., 1]
+    left, right, high = views[:, [0]], views[:, [1]], views[:, [3]]
+    unit = SCALE["view"] / (right - left)
+    on_axes = SCALE["view"] * x + 1j * heights[:, None] * (1.0 - y)
+    fixed = np.array([[element.fixed] for element in alike])
+    at = np.where(fixed, on_axes, unit * ((x - left) + 1j * (high - y)))
+    return np.where(np.isfinite(at), at, 0.0)
+
+
+def _turn(shape: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """By what an outline (k,) is turned and stretched, in the mean, to each of some others (m, k)."""
     size = np.vdot(shape, shape).real
-    return complex(np.vdot(shape, at) / size) if size else 1.0 + 0.0j
+    return at @ shape.conj() / size if size else np.ones(len(at), dtype=complex)
 
 
 def _around(frames: Sequence[tuple[list[Element], np.ndarray | None]]) -> np.ndarray:

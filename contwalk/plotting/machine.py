@@ -108,7 +108,7 @@ def draw_instant(
     t, x, p
         Time in seconds, state of shape (n,), parameters by name.
     so_far : tuple of ndarray, optional
-        Times and states until then, for a `draw` that asks for them.
+        Times and states until then, for a `draw` that asks for them: one of a machine that `walks`.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def draw_instant(
         If `draw` raises; the sentence names its line.
     """
     assert system.draw is not None
-    given = {"so_far": so_far} if so_far is not None and walks(system) else {}
+    given = {} if so_far is None else {"so_far": so_far}
     try:
         system.draw(ax, t, x, p, **given)
     except ContwalkError:

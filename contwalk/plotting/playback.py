@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from contwalk.errors import ContwalkError
-from contwalk.plotting.machine import draw_instant, parameters_of, require_draw
+from contwalk.plotting.machine import draw_instant, parameters_of, require_draw, walks
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 
@@ -44,6 +45,7 @@ class Playback:
         self.times = np.asarray(times, dtype=float)
         self.states = np.asarray(states, dtype=float)
         self.parameters = ParameterValues(**parameters_of(system, parameters))
+        self._walks = walks(system)
         names = system.state_names
         if self.times.ndim != 1 or self.states.shape != (len(self.times), len(names)) or not len(self.times):
             raise ContwalkError(
@@ -89,6 +91,17 @@ class Playback:
         require_draw(self.system)
         there = set(ax.get_children())
         ax.set_prop_cycle(None)  # the same colours at each instant
-        times, states = self.until(time)
-        draw_instant(self.system, ax, float(times[-1]), states[-1], self.parameters, (times, states))
+        self.draw_on(ax, time)
         return [artist for artist in ax.get_children() if artist not in there]
+
+    def draw_on(self, ax: Any, time: float) -> None:
+        """Draw the machine at an instant on what takes the calls of axes.
+
+        Raises
+        ------
+        PluginError
+            If the plugin's `draw` raises.
+        """
+        times, states = self.until(time)
+        so_far = (times, states) if self._walks else None
+        draw_instant(self.system, ax, float(times[-1]), states[-1], self.parameters, so_far)

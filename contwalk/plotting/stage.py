@@ -16,7 +16,6 @@ from contwalk.plotting.drawn_elements import (
     line_element,
     text_element,
 )
-from contwalk.plotting.machine import draw_instant
 from contwalk.plotting.playback import Playback
 from contwalk.plotting.style import PALETTE
 
@@ -254,12 +253,9 @@ class Performer:
         return self._on_axes(time)
 
     def _on_stage(self, time: float) -> tuple[list[Element], np.ndarray | None]:
-        stage, motion = Stage(), self.motion
-        times, states = motion.until(time)
-        given: Any = stage
+        stage = Stage()
         try:
-            now = float(times[-1]), states[-1]
-            draw_instant(motion.system, given, *now, motion.parameters, (times, states))
+            self.motion.draw_on(stage, time)
         except Exception as error:
             if isinstance(error.__cause__, BeyondStage):
                 raise error.__cause__ from error

@@ -22,7 +22,7 @@ FIRST, SECOND = (STANDING[0], "leg that stands first"), (SWINGING[0], "the other
 EARTH, SURFACE, JOINT = "#e3e6e8", "#5b6770", "white"
 SCENERY = "scenery"  # gid of what is there once, however many instants are drawn
 REACH = 1.5  # how far the slope goes on beyond the hip, in sizes of the walker
-SOLE = 1.0  # half the angle of the sole at the centre of the foot, rad
+SOLES = np.linspace(-1.0, 1.0, 41)  # angles of the sole at the centre of the foot, rad
 
 
 def draw(axes: Any, t: float, x: Any, p: Any, so_far: Any = None) -> None:
@@ -76,16 +76,17 @@ def _draw_ground(axes: Any, size: float, alpha: float, first: float, last: float
     axes.fill_between(x, y, y - 0.06 * size, color=EARTH, linewidth=0.0, zorder=0, gid=SCENERY)
     axes.plot(x, y, color=SURFACE, linewidth=1.4, zorder=1, gid=SCENERY)
     distance, half = _round(0.14 * size), 0.006 * size
-    comb = []
-    for number in range(math.ceil(low / distance), math.floor(high / distance) + 1):
-        place, told = number * distance, number % 5 == 0
-        depth = (0.06 if told else 0.03) * size
-        comb += [(place - half, 0.0), (place - half, -depth), (place + half, -depth), (place + half, 0.0)]
-        if told:
-            across, up = _upright((place, -0.09 * size), alpha)
-            text = axes.text(across, up, f"{place:g} m", gid=SCENERY, clip_on=True, zorder=1)
-            text.set(ha="center", va="top", color=SURFACE, fontsize=8, rotation=-math.degrees(alpha))
-            text.set_in_layout(False)
+    numbers = np.arange(math.ceil(low / distance), math.floor(high / distance) + 1)
+    places, told = numbers * distance, numbers % 5 == 0
+    depth = np.where(told, 0.06, 0.03) * size
+    sides = np.stack([places - half, places - half, places + half, places + half], axis=1)
+    ends = np.stack([0.0 * depth, -depth, -depth, 0.0 * depth], axis=1)
+    look = {"ha": "center", "va": "top", "color": SURFACE, "fontsize": 8, "rotation": -math.degrees(alpha)}
+    named = np.stack([places[told], np.full(told.sum(), -0.09 * size)], axis=1)
+    for place, across, up in zip(places[told], *_upright(named, alpha), strict=True):
+        text = axes.text(across, up, f"{place:g} m", gid=SCENERY, clip_on=True, zorder=1, **look)
+        text.set_in_layout(False)
+    comb = np.stack([sides.ravel(), ends.ravel()], axis=1)
     axes.fill(*_upright(comb, alpha), color=SURFACE, linewidth=0.0, zorder=1, gid=SCENERY)
 
 
@@ -101,10 +102,11 @@ def _draw_leg(axes: Any, hip: Vector, angles: Vector, p: Any, look: tuple[str, s
     knee = np.add(hip, hip_to_knee(angles[0], p))
     ankle = knee + hanging(angles[1], 0.0, p.l1)
     centre = knee + hanging(angles[1], p.lf, p.l1)
-    sole = [centre + hanging(angles[1] + turn, 0.0, p.rf) for turn in np.linspace(-SOLE, SOLE, 41)]
-    foot = _upright([ankle, *sole], p.alpha)
-    axes.fill(*foot, facecolor=colour, alpha=0.25, edgecolor="none", zorder=layer)
-    axes.plot(*_upright([ankle, *sole, ankle], p.alpha), color=colour, linewidth=1.4, zorder=layer)
+    turns = angles[1] + SOLES
+    sole = centre + np.stack(hanging(turns, 0.0, p.rf), axis=1)
+    across, up = _upright(np.vstack([ankle, sole, ankle]), p.alpha)
+    axes.fill(across[:-1], up[:-1], facecolor=colour, alpha=0.25, edgecolor="none", zorder=layer)
+    axes.plot(across, up, color=colour, linewidth=1.4, zorder=layer)
     limbs = _upright([hip, knee, ankle], p.alpha)
     axes.plot(*limbs, color=colour, linewidth=2.6, solid_capstyle="round", zorder=layer, label=name)
     _draw_joint(axes, knee, p, 6.0, layer)
