@@ -36,7 +36,7 @@ def command(
     quiet: bool,
     trust: bool,
 ) -> int:
-    """Write the database DB as a page of HTML: one file, which asks no network for anything.
+    """Write the database DB, or a file of margins, as a page of HTML: one file, which asks no network.
 
     It shows the diagram and, of each point that one clicks on, everything that `contwalk show` does, and
     the motion, which the system integrates once more while the page is made. A run file is computed first,
@@ -77,18 +77,23 @@ def _computed(context: click.Context, file: str, force: bool, quiet: bool) -> tu
 
 def _write(db: str, path: Path, force: bool, quiet: bool, trust: bool) -> None:
     from contwalk.cli.entry import say
-    from contwalk.explorer import explored
+    from contwalk.explorer import explored, margins_page
     from contwalk.files.drafts import written
     from contwalk.storage import open_database
     from contwalk.storage.failures import creating, refuse_existing
+    from contwalk.storage.trajectory import is_of_margins
 
     refuse_existing([path], force)
-    with open_database(db) as database, bar("points", None, quiet) as move:
-        progress = (lambda done, number: move(completed=done, total=number)) if move else None
-        found = explored(database, trust, *([progress] if progress else []))
-    for sentence in found.missing:
+    if is_of_margins(db):
+        page, missing = margins_page(Path(db), trust)
+    else:
+        with open_database(db) as database, bar("points", None, quiet) as move:
+            progress = (lambda done, number: move(completed=done, total=number)) if move else None
+            found = explored(database, trust, *([progress] if progress else []))
+        page, missing = found.page, found.missing
+    for sentence in missing:
         say(sentence)
-    text = found.page.encode("utf-8")
+    text = page.encode("utf-8")
     with creating(path), written(path) as stream:
         stream.write(text)
     if not quiet:

@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from contwalk.explorer.exploring import Explored, explore, explored
+from contwalk.explorer.pushing import margins_page
 
-__all__ = ["Explored", "explore", "explored"]
+__all__ = ["Explored", "explore", "explored", "margins_page"]

@@ -25,8 +25,11 @@ class Diagram {
     this.choose = choose;
     this.branches = data.branches.filter(branch => panel.names.includes(branch.name));
     this.numbers = new Map(data.branches.map((branch, k) => [branch.name, k]));
-    this.axes = new Axes(svg, () => this.draw());
+    this.zoomed = false;
+    this.axes = new Axes(svg, () => { this.zoomed = true; this.draw(); });
     this.axes.interactive();
+    this.regions = element("g", { class: "regions", "aria-hidden": "true" }, this.axes.inside);
+    this.chart = panel.chart ? new Chart(this.regions, panel.chart) : null;
     this.ties = element("g", { class: "ties", "aria-hidden": "true" }, this.axes.inside);
     this.lines = element("g", { "aria-hidden": "true" }, this.axes.inside);
     this.linked = element("g", { class: "linked", "aria-hidden": "true" }, this.axes.inside);
@@ -84,6 +87,7 @@ class Diagram {
   }
   reset() {
     this.axes.measure();
+    this.zoomed = false;
     const xs = [], ys = [];
     for (const { line } of this.places) if (line) {
       xs.push(...line.xs.slice(line.first, line.last + 1).filter(Number.isFinite));
@@ -96,6 +100,7 @@ class Diagram {
   draw() {
     const { axes } = this, label = (list, name) => list.find(each => each[0] === name)[1];
     axes.drawFrame(label(this.panel.x, this.x), label(this.panel.y, this.y));
+    if (this.chart) this.chart.draw(axes, this.x, this.y);
     for (const { line, x, y, node, kind } of this.places) {
       if (line) {
         let d = "", pen = "M";

@@ -9,14 +9,17 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from contwalk.errors import ContwalkError
+from contwalk.explorer.charts import chart_of
 from contwalk.explorer.diagram import diagram_of
 from contwalk.explorer.motions import branch_part
 from contwalk.explorer.packing import packed
 from contwalk.explorer.page import written
+from contwalk.explorer.pushing import margins_page
 from contwalk.number_words import choices, in_brackets
 from contwalk.plotting.quantities import units_of
 from contwalk.printable import printable
 from contwalk.storage import FileDatabase, open_database
+from contwalk.storage.trajectory import is_of_margins
 from contwalk.system import System
 
 
@@ -40,7 +43,7 @@ def explore(db: str | Path | FileDatabase | Found, trust: bool = False) -> str:
     Parameters
     ----------
     db : str, Path, FileDatabase or what `cw.diagram` returns
-        A file, or a database that is open.
+        A file, of margins too, or a database that is open.
     trust : bool
         Whether code of a plugin file, or of a system that has changed, may run.
 
@@ -50,6 +53,8 @@ def explore(db: str | Path | FileDatabase | Found, trust: bool = False) -> str:
         The same for the same database.
     """
     if isinstance(db, str | Path):
+        if is_of_margins(str(db)):
+            return margins_page(Path(db), trust)[0]
         with open_database(db, trust) as opened:
             return explored(opened, trust).page
     return explored(db if isinstance(db, FileDatabase) else db.database, trust).page
@@ -101,6 +106,8 @@ def explored(
 
     parts = {branch.name: branch_part(system, branch, units, one_more) for branch in branches}
     missing += [f"{name}: {text}" for name, part in parts.items() for text in part.missing]
+    regions, told = chart_of(system, branches) if system is not None else ("", [])
+    missing += told
     head = diagram_of(branches, units)
     head |= {
         "file": database.path.name,
@@ -121,6 +128,8 @@ def explored(
     blocks = {"head": packed(head)}
     blocks |= {f"words {name}": part.words for name, part in parts.items()}
     blocks |= {f"motions {name}": part.motions for name, part in parts.items() if part.motions}
+    blocks |= {f"planes {name}": part.planes for name, part in parts.items() if part.planes}
+    blocks |= {"chart": regions} if regions else {}
     title = f"{header.system}: {database.path.name}"
     return Explored(written(title, blocks, connected=bool(watched)), tuple(missing))
 

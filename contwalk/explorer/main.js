@@ -79,6 +79,7 @@ function follow(found) {
 }
 
 function redraw() {
+  if (!chosen) return;
   const x = get("portrait-x").value, y = get("portrait-y").value, z = get("series-y").value;
   const read = name => motion && motion.times.length ? motion.states[motion.names.indexOf(name)] : atRest(name);
   const xs = read(x), ys = read(y), zs = read(z), times = motion && motion.times.length ? motion.times : [0];
@@ -86,7 +87,12 @@ function redraw() {
   portrait.broken = series.broken = broken;
   // At rest: where it stands among all points of its branch.
   const column = name => chosen && chosen.row !== null ? columnOf(chosen.branch, name) : null;
-  const along = !(motion && motion.times.length) && column(x) && column(y);
+  const own = chosen && chosen.row !== null ? planes(chosen.branch.name).get(chosen.row) || null : null;
+  portrait.plane = own && get("show-field").checked && x !== y ? own : null;
+  portrait.flip = x === data.states[1];
+  get("field-choice").hidden = !own;
+  get("field-key").hidden = !portrait.plane;
+  const along = !portrait.plane && !(motion && motion.times.length) && column(x) && column(y);
   portrait.still = along ? [between(column(x), chosen.at), between(column(y), chosen.at)] : null;
   if (along) portrait.broken = () => false;
   portrait.path.classList.toggle("pale", Boolean(along));
@@ -190,7 +196,9 @@ function begin() {
   for (const [id, panel] of [["diagram", data.diagram], ["plane", data.plane]]) {
     get(`${id}-panel`).hidden = !panel;
     if (!panel) continue;
+    if (id === "plane") panel.chart = block("chart");
     const made = new Diagram(get(id), data, panel, choose);
+    if (made.chart) made.chart.key(get("chart-key"));
     fill(get(`${id}-x`), panel.x, made.x);
     fill(get(`${id}-y`), panel.y, made.y);
     get(`${id}-x`).addEventListener("change", event => made.across(event.target.value));
@@ -206,7 +214,8 @@ function begin() {
   fill(get("portrait-x"), states, data.states[0]);
   fill(get("portrait-y"), states, data.states[Math.min(1, states.length - 1)]);
   fill(get("series-y"), states, data.states[0]);
-  for (const id of ["portrait-x", "portrait-y", "series-y"]) get(id).addEventListener("change", redraw);
+  data.states.slice(0, 2).forEach((name, k) => get(`null${k}`).textContent = `${name}\u2032 = 0`);
+  for (const id of ["portrait-x", "portrait-y", "series-y", "show-field"]) get(id).addEventListener("change", redraw);
   get("play").addEventListener("click", () => { preview = 0; turn(!playing); });
   get("time").addEventListener("input", event => {
     preview = 0;
@@ -235,10 +244,12 @@ function begin() {
   new ResizeObserver(() => {
     for (const diagram of diagrams) diagram.resize();
     spectrum.draw();
-    machine.show(motion && motion.pictures ? motion.pictures : null);
+    machine.show(motion && motion.pictures ? motion.pictures : machine.pictures || null);
+    if (data.basin) drawBasin(data.basin);
     redraw();
   }).observe(document.querySelector("main"));
-  const asked = new URLSearchParams(location.search).get("point");
+  const query = new URLSearchParams(location.search), asked = query.get("point");
+  try { if (query.has("seen")) seeAgain(query.get("seen")); } catch { /* an address that somebody has written: all is shown */ }
   const first = data.branches.find(branch => branch.count);
   const ranked = first ? [...first.points].filter(point => point.label !== "EP").sort((a, b) => rank(a) - rank(b)) : [];
   const special = ranked[0];
@@ -247,7 +258,35 @@ function begin() {
     if (asked) get("notes").append(html("li", `There is no point named ${asked}.`));
     if (first) choose(special ? `${first.name}/${special.name}` : `${first.name}/0`, true);
   }
+  if (data.margins || data.basin) pushed(data, machine);
   requestAnimationFrame(tick);
+}
+
+// What one looks at, for the page that comes in place of this one: axes, how far one has zoomed, the chosen states.
+const CHOICES = ["portrait-x", "portrait-y", "series-y"];
+function seen() {
+  const shown = diagrams.map(({ svg, x, y, zoomed, axes }) => [svg.id, x, y, zoomed ? axes.view : null]);
+  return { shown, chosen: CHOICES.map(id => [id, get(id).value]), theme: document.documentElement.dataset.theme || "",
+    scroll: [scrollX, scrollY] };
+}
+
+function seeAgain(text) {
+  const before = JSON.parse(text);
+  const offers = (id, value) => [...get(id).options].some(option => option.value === value);
+  for (const [id, x, y, view] of before.shown || []) {
+    const diagram = diagrams.find(each => each.svg.id === id);
+    if (!diagram || !offers(`${id}-x`, x) || !offers(`${id}-y`, y)) continue;
+    get(`${id}-x`).value = x;
+    get(`${id}-y`).value = y;
+    diagram.across(x);
+    diagram.upwards(y);
+    if (!view || ![...view.x, ...view.y].every(Number.isFinite)) continue;
+    diagram.axes.view = view;
+    diagram.axes.redraw();
+  }
+  for (const [id, value] of before.chosen || []) if (CHOICES.includes(id) && offers(id, value)) get(id).value = value;
+  if (["light", "dark"].includes(before.theme)) document.documentElement.dataset.theme = before.theme;
+  if (before.scroll) requestAnimationFrame(() => scrollTo(...before.scroll));
 }
 
 // A page that is served looks now and then whether its database has grown, and is loaded anew where it is.
@@ -257,8 +296,9 @@ function watch() {
     try {
       const answer = await fetch("state", { cache: "no-store" });
       if (!answer.ok || await answer.text() === data.watched || playing) return;
-      const name = document.body.dataset.selected;
-      location.replace(name ? `?point=${encodeURIComponent(name)}` : "?");
+      const name = document.body.dataset.selected, again = new URLSearchParams({ seen: JSON.stringify(seen()) });
+      if (name) again.set("point", name);
+      location.replace(`?${again}`);
     } catch { /* the server has ended: what is shown stays */ }
   }, 1000);
 }

@@ -13,6 +13,7 @@ from contwalk.diagram.reopening import reopened
 from contwalk.errors import ContwalkError
 from contwalk.explorer.machine import MachineOfBranch
 from contwalk.explorer.packing import packed, predicted, varints
+from contwalk.explorer.planes import planes_of
 from contwalk.explorer.sampling import Sampled, sampled
 from contwalk.number_words import plural
 from contwalk.plotting.playback import Playback
@@ -20,6 +21,7 @@ from contwalk.plotting.segments import at_birth
 from contwalk.plotting.stage import Performer
 from contwalk.printable import printable
 from contwalk.system import System
+from contwalk.workflow.phase_plane import has_plane
 from contwalk.workflow.stored.hybrid_facts import HybridFacts, facts_of
 from contwalk.workflow.stored.hybrid_words import PointWords
 from contwalk.workflow.stored.orbit_motions import Motion, motion_along
@@ -38,8 +40,8 @@ class BranchPart:
 
     Parameters
     ----------
-    words, motions : str
-        Packed, see `packing`; `motions` is empty where nothing moves.
+    words, motions, planes : str
+        Packed, see `packing`; `motions` is empty where nothing moves, `planes` where there are none.
     missing : list of str
         Sentences on what cannot be shown.
     error : float
@@ -48,6 +50,7 @@ class BranchPart:
 
     words: str
     motions: str
+    planes: str
     missing: list[str]
     error: float
 
@@ -89,10 +92,11 @@ def branch_part(
         progress()
     words = packed({"rows": rows, "points": special})
     if system is None or not len(branch):
-        return BranchPart(words, "", [], 0.0)
+        return BranchPart(words, "", "", [], 0.0)
     motions, error = _packed_motions(system, branch, moving)
     missing = [f"{sentence} ({plural(count, 'point')})" for sentence, count in moving.missing.items()]
-    return BranchPart(words, motions, missing, error)
+    planes = planes_of(system, branch, moving.motions) if has_plane(system) else ""
+    return BranchPart(words, motions, planes, missing, error)
 
 
 def _follow(system: System | None, branch: Branch, row: int, moving: _Moving) -> HybridFacts | None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
 
-SCRIPTS = ("inflate", "data", "axes", "diagram", "panels", "machine", "main")
+SCRIPTS = ("inflate", "data", "axes", "chart", "diagram", "planes", "panels", "machine", "margins", "main")
 
 
 def written(title: str, blocks: Mapping[str, str], connected: bool = False) -> str:

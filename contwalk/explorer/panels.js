@@ -63,6 +63,9 @@ class Spectrum {
 class Curve {
   constructor(svg) {
     this.axes = new Axes(svg, () => this.draw());
+    this.behind = element("g", { class: "plane" }, this.axes.inside);
+    this.plane = null;
+    this.flip = false;
     this.marks = element("g", { class: "events" }, this.axes.inside);
     this.path = element("path", { class: "orbit" }, this.axes.inside);
     this.jumps = element("path", { class: "jump" }, this.axes.inside);
@@ -78,7 +81,12 @@ class Curve {
     if (!xs) return;
     axes.measure();
     axes.fit(xs, ys);
+    if (this.plane) {
+      const [left, right, low, high] = this.plane.window;
+      axes.view = this.flip ? { x: [low, high], y: [left, right] } : { x: [left, right], y: [low, high] };
+    }
     axes.drawFrame(...this.names);
+    drawPlane(this.behind, axes, this.plane, this.flip);
     let line = "", jumps = "";
     for (let k = 0; k < xs.length; k++) {
       const at = `${axes.px(xs[k]).toFixed(1)} ${axes.py(ys[k]).toFixed(1)}`;

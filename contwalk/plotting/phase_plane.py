@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from contourpy import contour_generator
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
@@ -68,6 +69,15 @@ class Plane:
     rates: np.ndarray
     rests: tuple[Rest, ...]
     manifolds: tuple[tuple[np.ndarray, bool], ...]
+
+
+def nullclines(plane: Plane) -> tuple[list[np.ndarray], ...]:
+    """Curves on which a rate is zero, each of shape (k, 2), for both rates."""
+    found = []
+    for number in range(len(plane.names)):
+        lines = contour_generator(plane.x, plane.y, plane.rates[..., number]).lines(0.0)
+        found.append([np.asarray(line, dtype=float) for line in lines])
+    return tuple(found)
 
 
 def plot_phase_plane(

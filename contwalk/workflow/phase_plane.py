@@ -77,13 +77,18 @@ def _check(system: System, names: Sequence[str]) -> None:
             f"A phase plane has two states, not {' and '.join(names)}.",
             f"Name two of {', '.join(system.state_names)} with -x and -y.",
         )
-    changes = len(system.modes) > 1 or bool(system.transitions)
-    if changes or system.period is not None or system.modes[0].kind == "map":
+    if not _one_field(system):
         raise ContwalkError(
             f"The system '{system.name}' has no one field that holds at all times: it is forced, has events "
             "or is a map.",
             "Draw a phase_portrait.",
         )
+
+
+def _one_field(system: System) -> bool:
+    """Whether one field holds at all times."""
+    changes = len(system.modes) > 1 or bool(system.transitions)
+    return not changes and system.period is None and system.modes[0].kind != "map"
 
 
 def _rests(rates: Rates, grid: np.ndarray, found: np.ndarray, window: np.ndarray) -> list[Rest]:
@@ -192,15 +197,26 @@ def drawn_plane(
     chosen = [system.state_names.index(name) for name in names]
     states = [branch.points["state"][:, : len(system.states)] for branch, _ in points]
     held = _state(system, *points[0])
-    shown = np.vstack([*states, *motions, held])[:, chosen]
+    window = window_about(np.vstack([*states, *motions, held])[:, chosen])
+    return plane_of(system, places[0], names, held, window)
+
+
+def has_plane(system: System) -> bool:
+    """Whether the phase plane of a system is all there is to see of it."""
+    return len(system.states) == 2 and _one_field(system)
+
+
+def window_about(shown: np.ndarray) -> np.ndarray:
+    """For each of two states its least and largest value, shape (2, 2), of a window about what is shown,
+    shape (k, 2), with half its size beside it.
+    """
     shown = shown[np.isfinite(shown).all(axis=1)]
     low, high = shown.min(axis=0), shown.max(axis=0)
     # A branch of one state that stays where it is has no size of its own.
     largest = np.maximum(abs(low), abs(high))
     moves = high - low > np.sqrt(np.finfo(float).eps) * largest
     size = np.where(moves, high - low, np.where(largest > 0, largest, 1.0))
-    window = np.stack([low - size / 2, high + size / 2], axis=1)
-    return plane_of(system, places[0], names, held, window)
+    return np.stack([low - size / 2, high + size / 2], axis=1)
 
 
 def _parameters(branch: Branch, point: SpecialPoint | int) -> dict[str, float]:

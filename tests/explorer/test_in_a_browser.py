@@ -6,11 +6,10 @@
 from __future__ import annotations
 
 import random
-import shutil
-import time
 from pathlib import Path
 
 import pytest
+from explorer_pages import Opened
 
 from contwalk.explorer import explored
 from contwalk.number_words import exact
@@ -29,25 +28,8 @@ STUDIES = {
     "impact_oscillator": ROOT / "tools" / "same_studies",
 }
 SIZES = [(320, 640), (1280, 800), (3840, 2160)]
-CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 # Megabytes that a page may have.
 MOST = {"planar_slope": 1.5}
-
-
-@pytest.fixture(scope="module")
-def browser():
-    found = next(filter(None, map(shutil.which, CHROMIUM)), None)
-    if found is None:
-        pytest.fail("There is no Chromium here: apt-get install chromium.", pytrace=False)
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        pytest.fail("Playwright is missing: pip install 'contwalk[browser]'.", pytrace=False)
-    with sync_playwright() as playwright:
-        # The pages are files of these tests; as root, Chromium starts without its sandbox only.
-        opened = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        yield opened
-        opened.close()
 
 
 @pytest.fixture(scope="module")
@@ -65,50 +47,6 @@ def pages(tmp_path_factory):
         return made[name]
 
     return page
-
-
-class Opened:
-    """A page, and what it has asked for and said."""
-
-    def __init__(self, browser, path, size=(1280, 800), query="", **options):
-        self.tab = browser.new_page(viewport={"width": size[0], "height": size[1]}, **options)
-        self.requests, self.said = [], []
-        self.tab.on("request", lambda request: self.requests.append(request.url))
-        self.tab.on("console", lambda message: self.said.append(message.text))
-        self.tab.on("pageerror", lambda error: self.said.append(str(error)))
-        self.address = path.as_uri() + query
-        self.tab.goto(self.address)
-
-    def selected(self):
-        return self.tab.evaluate("document.body.dataset.selected")
-
-    def text(self, name):
-        return self.tab.evaluate(f"document.getElementById('{name}').innerHTML")
-
-    def click(self, name):
-        kind = "row" if name.rpartition("/")[2].isdigit() else "point"
-        self.tab.locator(f'svg [data-{kind}="{name}"]').first.dispatch_event("click")
-
-    def moved(self, name, before):
-        """What an element shows once it no longer shows `before`; a failure where it goes on showing that."""
-        self.wait(lambda: self.text(name) != before)
-        return self.text(name)
-
-    def wait(self, holds, seconds=30.0):
-        """Wait until something holds.
-
-        The page is asked again and again from outside: a function of Playwright's own that polls inside the
-        page is what the page's security policy forbids.
-        """
-        end = time.monotonic() + seconds
-        while not holds():
-            assert time.monotonic() < end, f"it does not hold after {seconds:g} s"
-            self.tab.wait_for_timeout(20)
-
-    def close(self):
-        assert self.requests == [self.address]
-        assert self.said == []
-        self.tab.close()
 
 
 def points_of(shown):
