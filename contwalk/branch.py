@@ -17,7 +17,7 @@ import numpy as np
 
 from contwalk import quantities, tables
 from contwalk.branch_point import SpecialPoints, StoredPoint
-from contwalk.branch_words import table_of_special_points, told_branch
+from contwalk.branch_words import small_diagram, table_of_special_points, told_branch
 from contwalk.labels import EVERY_MEANING
 from contwalk.other_libraries import as_pandas, as_xarray
 from contwalk.signatures import is_iterated
@@ -210,7 +210,7 @@ class Branch:
         return f"<{told_branch(self)}>"
 
     def _repr_html_(self) -> str:
-        return tables.html(told_branch(self), table_of_special_points(self))
+        return small_diagram([self]) + tables.html(told_branch(self), table_of_special_points(self))
 
     def __len__(self) -> int:
         return len(self.points)

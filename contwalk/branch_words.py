@@ -1,12 +1,16 @@
-"""Branches in a line of text, and as tables for notebooks."""
+"""Branches in a line of text, and as tables with a small diagram for notebooks."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-from contwalk import tables
+import numpy as np
+
+from contwalk import quantities, tables
+from contwalk.labels import LOCUS
 from contwalk.signatures import told_problem
+from contwalk.small_picture import Line, svg
 from contwalk.special_point import told_sides, told_what
 
 
@@ -61,3 +65,37 @@ def table_of_branches(branches: Sequence[Any]) -> tables.Table:
             [info.name, told_problem(info.problem_by_name), str(len(branch)), span, names, ended, info.origin]
         )
     return rows
+
+
+def small_diagram(branches: Sequence[Any]) -> str:
+    """Branches along their first parameter as SVG: of curves the second one, of others the first state that
+    moves, of orbits its largest value. Empty where there is nothing to draw.
+    """
+    whole = [branch for branch in branches if len(branch) and branch.info.free]
+    solutions = [branch for branch in whole if branch.info.problem != LOCUS] or whole
+    if not solutions:
+        return ""
+    free = solutions[0].info.free
+    alike = [branch for branch in solutions if branch.info.free == free]
+    if alike[0].info.problem == LOCUS:
+        return svg([_line(branch, free[0], free[1]) for branch in alike], free[0], free[1])
+    moving = [name for name in alike[0].info.states if any(np.ptp(_values(b, name)) > 0 for b in alike)]
+    name = (moving or list(alike[0].info.states))[0]
+    orbits = any(b.info.problem != "equilibrium" and b.knows(quantities.MAX + name) for b in alike)
+    upwards = f"{name}, of orbits the largest" if orbits else name
+    return svg([_line(branch, free[0], name) for branch in alike], free[0], upwards)
+
+
+def _values(branch: Any, name: str) -> np.ndarray:
+    """A state along a branch, shape (k,); its largest value where orbits have one."""
+    largest = quantities.MAX + name
+    return np.asarray(branch[largest if branch.knows(largest) else name], dtype=float)
+
+
+def _line(branch: Any, across: str, upwards: str) -> Line:
+    x, y = (np.asarray(_values(branch, name), dtype=float) for name in (across, upwards))
+    stable, special = branch["stable"], branch.points["special"]
+    # At a special point itself it is decided by rounding: the other end of a segment tells.
+    of_segments = np.where(special[1:], stable[:-1], stable[1:])
+    points = [(p.name, told_what(p), x[p.index], y[p.index]) for p in branch.special_points]
+    return Line(branch.name, x, y, of_segments, points)

@@ -15,7 +15,7 @@ import numpy as np
 
 from contwalk import tables
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.branch_words import table_of_branches, told_branch
+from contwalk.branch_words import small_diagram, table_of_branches, told_branch
 from contwalk.equations.loading import PREFIX, is_equations
 from contwalk.errors import ContwalkError, StartError
 from contwalk.figure_formats import FORMATS
@@ -271,7 +271,7 @@ class DiagramFound:
 
     def _repr_html_(self) -> str:
         title = f"diagram of {self.system.name}, from {self.start}"
-        return tables.html(title, table_of_branches(self.branches))
+        return small_diagram(self.branches) + tables.html(title, table_of_branches(self.branches))
 
     def plot(
         self, y: str | None = None, x: str | None = None, ax: Axes | None = None, **options: Any

@@ -22,7 +22,7 @@ from contwalk.branch import (
     narrowed,
 )
 from contwalk.branch_point import SpecialPoints
-from contwalk.branch_words import table_of_branches
+from contwalk.branch_words import small_diagram, table_of_branches
 from contwalk.errors import DatabaseError
 from contwalk.storage.schema import is_branch_name
 from contwalk.system.declarations import nearest
@@ -187,8 +187,9 @@ class Database(ABC):
         return f"<database {where} of {self.header.system}: {names or 'no branches'}>"
 
     def _repr_html_(self) -> str:
-        """The branches as a table of HTML."""
-        return tables.html(repr(self)[1:-1], table_of_branches(self.branches()))
+        """The branches as a small diagram, and as a table of HTML."""
+        branches = self.branches()
+        return small_diagram(branches) + tables.html(repr(self)[1:-1], table_of_branches(branches))
 
 
 def assemble(

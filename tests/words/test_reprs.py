@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -10,6 +11,7 @@ import pytest
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, named
 from contwalk.signatures import folded
+from contwalk.small_picture import Line, svg
 from contwalk.storage import MemoryDatabase, RunHeader
 from contwalk.system import Mode, Parameter, State, System
 from contwalk.system.units import lasting, time_unit
@@ -101,6 +103,27 @@ def test_tables_of_special_points_hold_what_is_known():
     assert cells["note"] == "seen <only> & lost"
     assert cells["period"] == "2.5"
     assert cells["eigenvalue or multiplier 2"] == "0.5-0.25i"
+
+
+def test_a_small_diagram_stands_before_the_table():
+    shown = made()._repr_html_()
+    picture = shown[: shown.index("<table")]
+    assert picture.startswith("<svg")
+    assert 'data-point="b2/PD1"' in picture
+    assert "<script" not in picture
+    # Text of a database is text: the name of a branch, of a state and of what a point is.
+    line = Line("<b>", np.array([0.0, 1.0]), np.array([0.0, 0.0]), np.array([1]), [("P", "<i>", 0.5, 0.0)])
+    assert "<b>" not in svg([line], "<u>", "<u>")
+    assert svg([], "x", "y") == ""
+    gone = Line("b1", np.array([np.nan]), np.array([0.0]), np.zeros(0, dtype=int))
+    assert svg([gone], "x", "y") == ""
+
+
+def test_lines_of_a_small_diagram_say_how_stable_they_are():
+    x = np.linspace(0.0, 1.0, 5)
+    shown = svg([Line("b1", x, x, np.array([1, 1, 0, -1]))], "x", "y")
+    paths = re.findall(r'<path d="([^"]*)" fill="none" stroke="#0067a0"', shown)
+    assert [path.count("L") for path in paths] == [2, 1, 1]
 
 
 def test_a_database_is_a_line_and_a_table_of_its_branches():
