@@ -12,8 +12,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/gallery.md"
-# Pages of the explorer, for the site.
-PAGES = ROOT / "build/gallery"
+# Pages of the explorer, for the site: those of the page's own commands, and those that `make runs` leaves.
+PAGES, SLOW = ROOT / "build/gallery", ROOT / "build/runs"
 # What a command names itself.
 MARGINS = "impact_oscillator_basin_basin.png"
 

@@ -1,6 +1,7 @@
 """Every file of runs/ as it is written: its commands end with success, and find what runs/README.md tells.
 
-`make runs` runs them all, which takes an hour of processor time, and prints what each took.
+`make runs` runs them all, which takes an hour of processor time, and prints what each took. Their pages are
+left in build/runs, from where `make docs` takes them for the gallery of the site.
 """
 
 from __future__ import annotations
@@ -19,10 +20,15 @@ from autobalancer_figures import RUNS
 from documented_values import DOCUMENTED, MEANS, Told
 
 from contwalk.branch import SpecialPoint
+from contwalk.errors import DatabaseError
 from contwalk.storage import open_database
+from contwalk.storage.trajectory import is_of_margins
 
 pytestmark = pytest.mark.thesis
 
+PAGES = RUNS.parent / "build/runs"
+# Bytes that a page may have, whatever its study.
+MOST = 5e6
 NAMES = sorted(path.stem for path in RUNS.glob("*.yaml"))
 # Databases of other run files that one begins at, as it names them.
 BEGINS_AT = re.compile(r"from: (\w+)\.h5")
@@ -112,6 +118,7 @@ def test_run_file(name: str, folder: Path, capsys: pytest.CaptureFixture[str]) -
     seconds, report = run(folder, name)
     with capsys.disabled():
         print(f"\n{name}: {', '.join(commands(name))}: {seconds:.1f} s of processor time", end=" ")
+    _leave_pages(name, folder)
     if name in MEANS:
         mean = re.search(r"mean +([0-9.]+)", report)
         assert mean is not None
@@ -124,3 +131,33 @@ def test_run_file(name: str, folder: Path, capsys: pytest.CaptureFixture[str]) -
         points = [point for branch in database.branches() for point in branch.special_points]
     missing = [told for told in DOCUMENTED.get(name, []) if not found(points, told)]
     assert not missing, [(point.label, dict(point.parameters)) for point in points][:40]
+
+
+def _leave_pages(name: str, folder: Path) -> None:
+    """Write the pages of what a run file has left: of its branches, and of its margins."""
+    for stem in (name, f"{name}_margins"):
+        if not (folder / f"{stem}.h5").exists() or not _shown(folder / f"{stem}.h5"):
+            continue
+        page = folder / f"{stem}.html"
+        done = subprocess.run(
+            [sys.executable, "-m", "contwalk", "explore", f"{stem}.h5", "-o", page.name, "--force"],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, f"explore {stem}.h5: {done.stderr[-2000:]}"
+        assert page.stat().st_size <= MOST, stem
+        PAGES.mkdir(parents=True, exist_ok=True)
+        shutil.copy(page, PAGES)
+
+
+def _shown(database: Path) -> bool:
+    """Whether a page can be made of a file: one of motions alone has no branches."""
+    if is_of_margins(database):
+        return True
+    try:
+        with open_database(database) as opened:
+            return bool(opened.branch_names())
+    except DatabaseError:
+        return False

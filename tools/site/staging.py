@@ -10,7 +10,7 @@ import re
 import shutil
 from pathlib import Path
 
-from tools.gallery import PAGES
+from tools.gallery import PAGES, SLOW
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -51,16 +51,21 @@ def staged(where: Path) -> list[str]:
 
 
 def _explored(where: Path) -> None:
-    """Pages of the explorer that `make gallery` has left, as downloads of the gallery."""
-    found = sorted(PAGES.glob("*.html"))
-    if found:
-        folder = where / "files/gallery"
+    """Pages of the explorer that `make gallery` and `make runs` have left, as downloads of the gallery."""
+    parts = []
+    for place, words in ((PAGES, "These pages"), (SLOW, "Pages of the run files that come along")):
+        found = sorted(place.glob("*.html"))
+        if not found:
+            continue
+        folder = where / "files" / place.name
         folder.mkdir(parents=True, exist_ok=True)
         for page in found:
             shutil.copy(page, folder)
-        links = "".join(f"- [{page.stem}](files/gallery/{page.name})\n" for page in found)
+        links = "".join(f"- [{page.stem}](files/{place.name}/{page.name})\n" for page in found)
+        parts.append(f"\n{words}, made with this site:\n\n{links}")
+    if parts:
         with (where / "gallery.md").open("a", encoding="utf-8") as gallery:
-            gallery.write(f"\nThese pages, made with this site:\n\n{links}")
+            gallery.write("".join(parts))
 
 
 def _relinked(text: str, name: str, place: Path, pages: dict[str, Path], where: Path) -> str:
