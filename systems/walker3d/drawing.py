@@ -25,6 +25,7 @@ from .states import LEGS, Q2, TOES, anchor
 COLOURS = {1: "#1f4e79", 2: "#c0392b"}
 NAMES = {1: "leg 1, on the left", 2: "leg 2, on the right"}
 BODY, PATH, EARTH, SURFACE, JOINT = "#3d4247", "#7d8790", "#e3e6e8", "#5b6770", "white"
+PATH_POINTS = 120  # of the way of the hip: more than a picture of two strides shows apart
 SCENERY = "scenery"  # gid of what is there once, however many instants are drawn
 # In sizes of the walker: the torso, half the width of the path and its length, and the picture from above.
 TORSO, HALF_WIDTH, REACH, BELOW = 0.3, 0.45, 1.4, -0.95
@@ -108,7 +109,9 @@ def _draw_walk(axes: Any, t: Any, x: Any, p: Any, model: Model) -> None:
     low, high = min(begins, passed[-1, 1]) - REACH * length, passed[-1, 1] + REACH * length
     for view in (oblique, above):
         _draw_path(axes, view, (low, high), middle, length)
-        hips = np.stack([passed[:, 0], np.zeros(len(passed)), passed[:, 1]], axis=1)
+        # Each instant draws the path up to there: of ever more points a page of many would hold a great part.
+        seen = passed[np.unique(np.linspace(0, len(passed) - 1, PATH_POINTS).astype(int))]
+        hips = np.stack([seen[:, 0], np.zeros(len(seen)), seen[:, 1]], axis=1)
         axes.plot(*view(hips), color=PATH, linewidth=0.9, zorder=1, gid=SCENERY)
         for leg, places in prints.items():
             if len(places):
