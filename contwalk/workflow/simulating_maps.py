@@ -16,9 +16,6 @@ from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, arguments
 from contwalk.system import System
 from contwalk.workflow.simulated import Simulated
 
-# Iterates between two reports of progress.
-_PART = (1 << 16,)
-
 
 def next_state(system: System) -> Field:
     """The next state of a map, compiled."""
@@ -44,6 +41,7 @@ def iterated(
     number: int,
     points: int,
     progress: Callable[[float], None],
+    part: int = 1 << 16,
 ) -> Simulated:
     """So many iterates of a state, of which at most `points` are kept, evenly spread.
 
@@ -55,6 +53,8 @@ def iterated(
     number, points : int
     progress : callable
         Told how many iterates there are.
+    part : int
+        How many iterates lie between two reports of progress.
     """
     field = next_state(system)
     c = field.constants([parameters[name] for name in system.parameter_names])
@@ -63,7 +63,7 @@ def iterated(
     values[0], last, done, status, reason = state, state, 0, "ok", ""
     while done < number and status == "ok":
         # What the loop writes for one state is where it reads the next one.
-        count = min(_PART[0], number - done)
+        count = min(part, number - done)
         orbit, times = np.empty((count + 1, len(state))), np.arange(done + 1.0, done + count + 1.0)
         orbit[0] = last
         given = address(times), address(orbit), field.n, address(c), address(orbit[1:]), field.n

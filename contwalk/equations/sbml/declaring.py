@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from contwalk.equations.model import Defined, Model, Value
 
-# Beyond them a product of two is no number any more.
-_LARGEST = (1e300,)
-
 
 def add_parameter(model: Model, own: str, value: float | None, line: int, about: str) -> None:
     """Declare a parameter.
@@ -16,7 +13,7 @@ def add_parameter(model: Model, own: str, value: float | None, line: int, about:
     ModelError
         If it has no finite value.
     """
-    if value is None or not abs(value) <= _LARGEST[0]:
+    if value is None or not _is_finite(value):
         raise model.wrong(line, f"'{own}' has no finite value.", "Give it one.")
     about = " ".join(about.split())
     model.parameters[own] = Value(value, line, "" if about == own else about)
@@ -30,8 +27,13 @@ def add_state(model: Model, own: str, rate: Defined, value: float | None) -> Non
     ModelError
         If that is no finite number.
     """
-    if value is not None and not abs(value) <= _LARGEST[0]:
+    if value is not None and not _is_finite(value):
         raise model.wrong(rate.line, f"'{own}' begins with no finite number.", "Give one.")
     model.rates[own] = rate
     if value is not None:
         model.starts[own] = Value(value, rate.line)
+
+
+def _is_finite(value: float) -> bool:
+    """Whether it is a number, and not one that is nearly too large to be one."""
+    return abs(value) <= 1e300
