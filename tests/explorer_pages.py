@@ -7,13 +7,31 @@ import json
 import re
 import time
 import zlib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contwalk.storage.trajectory import Margins
+from contwalk.workflow.run_file.reading import read_run_file
+from contwalk.workflow.runner import run
 
 BLOCK = re.compile(r'<script type="application/octet-stream" data-block="([^"]*)">([^<]*)</script>')
+# A round limit cycle of radius r**(1/2).
+CYCLE = """\
+contwalk: 1
+system: {equations: "x' = r*x - y - x*(x^2 + y^2); y' = x + r*y - y*(x^2 + y^2); r = -0.1"}
+start: {state: {x: 0.0, y: 0.0}}
+continue: {parameter: r, range: [-0.1, 1]}
+output: cycle.h5
+"""
+
+
+def computed(folder: Path, name: str, text: str) -> Path:
+    """The database of a run file's text, computed anew."""
+    (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
+    file = read_run_file(folder / f"{name}.yaml", (), str(folder / f"{name}.h5"))
+    return run(file, force=True, figures=False).path
 
 
 def blocks(page: str) -> dict[str, tuple[Any, bytes]]:

@@ -15,6 +15,7 @@ from contwalk.explorer.motions import branch_part
 from contwalk.explorer.packing import packed
 from contwalk.explorer.page import written
 from contwalk.explorer.pushing import margins_page
+from contwalk.explorer.system_of_page import system_or_said
 from contwalk.number_words import choices, in_brackets
 from contwalk.plotting.quantities import units_of
 from contwalk.printable import printable
@@ -136,14 +137,12 @@ def explored(
 
 def _system(database: FileDatabase, trust: bool, missing: list[str]) -> System | None:
     """The system of the run; None where it may not run or cannot be had, which is then said."""
-    try:
-        stored = database.stored_system(trust)
-    except ContwalkError as error:
-        missing.append(f"Not shown: the motions, the machine, segments and margins of orbits. {error}")
-        return None
-    if stored.changed:
-        missing.append(f"{stored.changed} What is computed with it may differ from what is stored.")
-    return stored.system
+    return system_or_said(
+        lambda: database.stored_system(trust),
+        "the motions, the machine, segments and margins of orbits",
+        "What is computed with it may differ from what is stored.",
+        missing,
+    )
 
 
 def _command(provenance: Mapping[str, Any], path: Path) -> dict[str, str]:

@@ -11,6 +11,7 @@ from contwalk.errors import ContwalkError
 from contwalk.explorer.machine import MachineOfBranch
 from contwalk.explorer.packing import packed, short
 from contwalk.explorer.page import written
+from contwalk.explorer.system_of_page import system_or_said
 from contwalk.number_words import choices, exact, plural, with_unit
 from contwalk.plotting.playback import Playback
 from contwalk.plotting.quantities import units_of
@@ -75,14 +76,12 @@ def margins_page(path: Path, trust: bool = False) -> tuple[str, tuple[str, ...]]
 def _system(margins: Margins, path: Path, trust: bool, missing: list[str]) -> System | None:
     """The system, which draws the machine; None where it cannot be had, which is then said."""
     header = margins.header
-    try:
-        stored = system_of_run(header["provenance"], header.get("model", {}), margins.system, path, trust)
-    except ContwalkError as error:
-        missing.append(f"Not shown: the machine where it is pushed. {error}")
-        return None
-    if stored.changed:
-        missing.append(f"{stored.changed} What is drawn with it may differ from what was pushed.")
-    return stored.system
+    return system_or_said(
+        lambda: system_of_run(header["provenance"], header.get("model", {}), margins.system, path, trust),
+        "the machine where it is pushed",
+        "What is drawn with it may differ from what was pushed.",
+        missing,
+    )
 
 
 def _machine(system: System, margins: Margins, missing: list[str]) -> str:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from explorer_pages import blocks, numbers
+from explorer_pages import CYCLE, blocks, computed, numbers
 
 from contwalk.explorer import explored
 from contwalk.storage import open_database
-from contwalk.workflow.run_file.reading import read_run_file
-from contwalk.workflow.runner import run
 
 # Saddles at (-1, 0) and (1, 0), a node between them; the parameter moves nothing but the second rate.
 STUDY = """\
@@ -19,20 +17,10 @@ start: {state: {x: 0.0, y: 0.0}}
 continue: {parameter: a, range: [0.5, 1], max_points: 3}
 output: rests.h5
 """
-# A round limit cycle of radius r**(1/2).
-CYCLE = """\
-contwalk: 1
-system: {equations: "x' = r*x - y - x*(x^2 + y^2); y' = x + r*y - y*(x^2 + y^2); r = -0.1"}
-start: {state: {x: 0.0, y: 0.0}}
-continue: {parameter: r, range: [-0.1, 1]}
-output: rests.h5
-"""
 
 
 def page(folder, text):
-    (folder / "rests.yaml").write_text(text, encoding="utf-8")
-    file = read_run_file(folder / "rests.yaml", (), str(folder / "rests.h5"))
-    with open_database(run(file, figures=False).path) as database:
+    with open_database(computed(folder, "rests", text)) as database:
         return blocks(explored(database).page)
 
 

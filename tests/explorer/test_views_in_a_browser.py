@@ -5,23 +5,14 @@ from __future__ import annotations
 import threading
 
 import pytest
-from explorer_pages import MARGINS, Opened
+from explorer_pages import CYCLE, MARGINS, Opened, computed
 
 from contwalk.explorer import explored, margins_page
 from contwalk.explorer.watching import Watched, server_of
 from contwalk.storage import open_database
 from contwalk.storage.trajectory import write_margins
-from contwalk.workflow.run_file.reading import read_run_file
-from contwalk.workflow.runner import run
 
 pytestmark = pytest.mark.browser
-CYCLE = """\
-contwalk: 1
-system: {equations: "x' = r*x - y - x*(x^2 + y^2); y' = x + r*y - y*(x^2 + y^2); r = -0.1"}
-start: {state: {x: 0.0, y: 0.0}}
-continue: {parameter: r, range: [-0.1, 1]}
-output: cycle.h5
-"""
 FOLD = """\
 contwalk: 1
 system: {equations: "x' = r + x^2; y' = x - y; r = -1"}
@@ -38,12 +29,6 @@ continue: {parameter: a, range: [-1, 1]}
 loci: {with: b, range: [-1, 2], of: all, follow: none}
 output: cusp.h5
 """
-
-
-def computed(folder, name, text):
-    (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
-    file = read_run_file(folder / f"{name}.yaml", (), str(folder / f"{name}.h5"))
-    return run(file, force=True, figures=False).path
 
 
 def written(folder, name, text):
