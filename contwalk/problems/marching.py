@@ -158,11 +158,13 @@ def _held(
             gradient = coordinate.gradient(there, guess)
             row = gradient / np.linalg.norm(gradient * units)
             z = newton_on(there, guess, units, row, STAGNATES)
-            here = there.linearize(z)
-            rates = here.tangent(row, units)
-            rates = rates / float(gradient @ rates)
+            here, error = there.linearize(z), error_holding(there, z, units, row)
             rest = here.bordered(row, units).solve(np.append(here.residual, 0.0))
-            error = error_holding(there, z, units, row) + abs(float(rest[-1]))
+            if abs(rest[-1]) > error:  # in units of what was left before, it has converged too soon
+                z = z - rest
+                here = there.linearize(z)
+            rates = here.tangent(row, units)
+            rates, error = rates / float(gradient @ rates), error + abs(float(rest[-1]))
             exists = there.meshed is None or there.admissible_at(z)
     except (NotFinite, PluginError, StartError, np.linalg.LinAlgError):
         return None

@@ -8,11 +8,12 @@ have them, and a family that turns round, or levels off for a while only, has no
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from contwalk.numerics.laws import Pair
+from contwalk.numerics.laws import LAWFUL, Pair
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.marching import Place, march, pair_of, unknown
 from contwalk.problems.problem import Sample
@@ -47,15 +48,12 @@ def limit_at_infinity(
     pair = Pair(np.array([a.z[which], b.z[which]]), np.array([a.z[-1], b.z[-1]]), slopes)
     if not (pair.falls and abs(pair.left) <= suspected * size):
         return None
-    straight = pair.straight
+    straight, rate = pair.straight, pair.rate
     begun: Place | None = None
-    last: Place
     found: tuple[float, float] | None = None
-    for place in march(problem, unknown(which, grows), (b,), pair.apart, pair.left):
-        if begun is None:
-            begun = last = place
-            continue
-        pair, last, known = pair_of(last, place), place, KNOWN * place.error
+    for last, place in pairwise(march(problem, unknown(which, grows), (b,), pair.apart, pair.left)):
+        begun = begun or last
+        pair, known = pair_of(last, place), KNOWN * place.error
         # What is not known to the suspicion itself tells nothing; what is seen has to fall.
         if place.error > suspected * size or (not pair.falls and abs(pair.slopes[1] * pair.apart) > known):
             return None
@@ -67,7 +65,9 @@ def limit_at_infinity(
         limit, error = found
         if abs(float(place.z[-1]) - limit) > KNOWN * error + known:
             return None
-        away = max(grown * abs(begun.at), float(b.weights[which]))  # what comes to zero runs off to nowhere
+        # What comes to zero runs off to nowhere, as a power of itself does, unless it falls exponentially.
+        lawful = abs(pair.rate / rate - 1.0) <= LAWFUL
+        away = max(grown * abs(begun.at), 0.0 if lawful else float(b.weights[which]))
         far = abs(place.at - begun.at) > BEYOND * straight and abs(place.at) > away
         if far and (abs(left) <= known or abs(place.rates[-1]) <= fallen * abs(begun.rates[-1])):
             # What has stood still all the way, as where a machine conserves something, has no slope.
