@@ -37,7 +37,8 @@ _QUOTIENTS = ((0.1, "below 0.1"), (1.0, "0.1 to 1"), (5.0, "1 to 5"), (math.inf,
 @click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
 @trust_option
 def command(db: str, what: str | None, budget: float | None, strict: bool, as_json: bool, trust: bool) -> int:
-    """Recompute what the database DB says: special points, ends of branches, and every tenth row.
+    """Recompute what the database DB says: special points, ends of branches, and every tenth row; of margins
+    the borders of survival, and every tenth place of a plane.
 
     Each record is recomputed from its own words, by SciPy's integrators and with nothing of the engine that
     made it. It AGREES if both values differ by no more than 5 times the sum of their errors; it DISAGREES; or
@@ -46,18 +47,23 @@ def command(db: str, what: str | None, budget: float | None, strict: bool, as_js
     Exit codes: 0 if nothing disagrees; 1 if a record does; 2 for bad input.
     """
     from contwalk.storage import open_database
+    from contwalk.storage.trajectory import is_of_margins
 
     # What a plugin prints is no part of the document.
     with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
-        with open_database(db) as database:
-            records, seconds = _chosen(database, what or "")
-            system = required_system(database, trust)
-            header = database.header
-        found = _checked(system, header, records, seconds if budget is None else budget, as_json)
+        if is_of_margins(db):
+            found, asked = _pushed(db, what or "", budget, as_json, trust)
+        else:
+            with open_database(db) as database:
+                records, seconds = _chosen(database, what or "")
+                system = required_system(database, trust)
+                header = database.header
+            found = _checked(system, header, records, seconds if budget is None else budget, as_json)
+            asked = len(records)
     if as_json:
         _print_json(db, found)
     else:
-        _print(found, len(records))
+        _print(found, asked)
     from contwalk.verification.finding import AGREES
 
     unsure = strict and any(each.verdict != AGREES and each.of_point for each in found)
@@ -78,6 +84,32 @@ def _chosen(database: Database, what: str) -> tuple[list[Record], float]:
     if record.isdecimal() and int(record) < len(branch):
         return [(branch, int(record))], budget_of(branches)
     return [(branch, special_of(branch, record))], budget_of(branches)
+
+
+def _pushed(
+    db: str, what: str, seconds: float | None, silent: bool, trust: bool
+) -> tuple[list[Finding], int]:
+    """All findings of a file of margins, and how many numbers were to be recomputed."""
+    from contwalk.cli.entry import say
+    from contwalk.errors import ContwalkError
+    from contwalk.workflow.verifying import budget_of
+    from contwalk.workflow.verifying_margins import records_of, stored_margins, verified_margins
+
+    stored, changed = stored_margins(db, trust)
+    if changed:
+        say(f"warning: {changed} What is computed with it may differ from what is stored.")
+    parts = records_of(stored)
+    if what and what not in parts:
+        raise ContwalkError(f"{db} has no '{what}'.", f"Allowed: {', '.join(parts)}.")
+    asked = sum(count for part, count in parts.items() if what in ("", part))
+    with bar("pushes", asked, silent) as move:
+        found = verified_margins(
+            stored,
+            what,
+            budget_of([]) if seconds is None else seconds,
+            move and (lambda done: move(advance=1, description=f"{done.branch}/{done.record}")),
+        )
+    return found, asked
 
 
 def _checked(
