@@ -21,12 +21,16 @@ if TYPE_CHECKING:
     from contwalk.explorer.exploring import explore as explore
     from contwalk.plotting import plot_bifurcation_diagram as plot_bifurcation_diagram
     from contwalk.plotting import plot_eigenvalues as plot_eigenvalues
+    from contwalk.plotting import plot_locus as plot_locus
     from contwalk.plotting import plot_stability_map as plot_stability_map
     from contwalk.plotting import save as save
     from contwalk.plugin_check.at_load import load_system as load_system
     from contwalk.plugin_check.at_load import system_from_text as system_from_text
     from contwalk.problems.equilibrium.equilibrium import Equilibrium as Equilibrium
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit as HybridOrbit
     from contwalk.problems.orbit.discretization import Discretization as Discretization
+    from contwalk.problems.orbit.itinerary import Itinerary as Itinerary
+    from contwalk.problems.orbit.itinerary import Leg as Leg
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit as PeriodicOrbit
     from contwalk.shortcuts.diagrams import DiagramFound as DiagramFound
     from contwalk.shortcuts.diagrams import diagram as diagram
@@ -47,6 +51,9 @@ _HOMES = {
     "Discretization": "contwalk.problems.orbit.discretization",
     "DiagramFound": "contwalk.shortcuts.diagrams",
     "Equilibrium": "contwalk.problems.equilibrium.equilibrium",
+    "HybridOrbit": "contwalk.problems.hybrid.hybrid_orbit",
+    "Itinerary": "contwalk.problems.orbit.itinerary",
+    "Leg": "contwalk.problems.orbit.itinerary",
     "PeriodicOrbit": "contwalk.problems.orbit.periodic_orbit",
     "SpecialPoint": "contwalk.branch",
     "continue_branch": "contwalk.studies.verbs",
@@ -60,6 +67,7 @@ _HOMES = {
     "open_database": "contwalk.storage",
     "plot_bifurcation_diagram": "contwalk.plotting",
     "plot_eigenvalues": "contwalk.plotting",
+    "plot_locus": "contwalk.plotting",
     "plot_stability_map": "contwalk.plotting",
     "points": "contwalk.studies.verbs",
     "read_run_file": "contwalk.workflow.run_file.reading",

@@ -19,7 +19,7 @@ from contwalk import quantities, tables
 from contwalk.branch_point import SpecialPoints, StoredPoint
 from contwalk.branch_words import small_diagram, table_of_special_points, told_branch
 from contwalk.labels import EVERY_MEANING
-from contwalk.other_libraries import as_pandas, as_xarray
+from contwalk.other_libraries import as_axes, as_pandas, as_xarray
 from contwalk.signatures import is_iterated
 from contwalk.special_point import SpecialPoint
 
@@ -298,6 +298,25 @@ class Branch:
             found[f"re_{position + 1}"] = self.points["spectrum"][:, position].real
             found[f"im_{position + 1}"] = self.points["spectrum"][:, position].imag
         return found
+
+    def plot(self, y: str | None = None, x: str | None = None, ax: Any = None, **options: Any) -> Any:
+        """Draw the branch: `y` over `x`, the free parameter by default; a curve in two parameters in both.
+
+        Parameters
+        ----------
+        y, x : str, optional
+            What `branch[name]` understands; of orbits largest and least values of a state are drawn.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw, as beside other branches; new axes by default.
+        **options
+            Those of `cw.plot_bifurcation_diagram`, of a curve those of `cw.plot_locus`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            `cw.save(axes, "x.png")` writes its figure.
+        """
+        return as_axes(self, x, y, ax, **options)
 
     def to_pandas(self) -> Any:
         """`columns()` as a `pandas.DataFrame`; see `other_libraries.as_pandas`."""

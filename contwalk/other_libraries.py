@@ -1,4 +1,7 @@
-"""A branch for libraries that are not needed otherwise: pandas and xarray."""
+"""A branch for libraries that are not needed otherwise: pandas, xarray, and matplotlib by the package's door.
+
+A branch knows nothing of what draws it. So its method asks, when it is called, what users ask.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,13 @@ from importlib import import_module
 from typing import Any
 
 from contwalk.errors import ContwalkError
+
+
+def as_axes(branch: Any, *where: Any, **options: Any) -> Any:
+    """The branch as `cw.plot_bifurcation_diagram` draws it, or `cw.plot_locus` a curve in two parameters."""
+    door = import_module("contwalk")
+    drawn = door.plot_bifurcation_diagram if len(branch.info.free) < 2 else door.plot_locus
+    return drawn([branch], *where, **options)
 
 
 def as_pandas(branch: Any) -> Any:

@@ -51,7 +51,9 @@ def continue_branch(
 
     Parameters
     ----------
-    problem : Equilibrium or PeriodicOrbit
+    problem : Equilibrium, PeriodicOrbit or HybridOrbit
+        Orbits of a machine with events may be asked for as either: a `PeriodicOrbit` takes the events that
+        the motion meets, a `HybridOrbit` names them.
     state : str, sequence or mapping
         A named equilibrium of the system, n numbers, or values by name.
     range : tuple of float
@@ -93,7 +95,7 @@ def switch_branch(
 
     Parameters
     ----------
-    problem : Equilibrium or PeriodicOrbit
+    problem : Equilibrium, PeriodicOrbit or HybridOrbit
         The problem that `branch` belongs to.
     branch : Branch
     point : str or SpecialPoint
@@ -197,9 +199,30 @@ def _opened(
         )
     if isinstance(opening, Outcome):
         raise StartError(opening.message)
+    _check_events(problem, opening.problem)
     # The value of a conserved quantity is known now where it is the start's own.
     _check_within(problem.free, opening.state.sample.parameter, settings.range)
     return opening
+
+
+def _check_events(problem: Problem, found: Problem) -> None:
+    """Refuse a first solution with other events than the itinerary that was asked for."""
+    if problem.kind != "hybrid_orbit":
+        return
+    asked, met = _events(problem), _events(found)
+    if not any(met[i:] + met[:i] == asked for i in range(max(len(met), 1))):
+        raise StartError(
+            f"The solution near this state meets {', '.join(met) or 'no event'}, and "
+            f"{', '.join(asked) or 'no event'} is asked for.",
+            "Give a state whose motion meets these, or a PeriodicOrbit, which takes what the motion meets.",
+        )
+
+
+def _events(problem: Any) -> list[str]:
+    """The events of a whole period, by name; an equilibrium has none."""
+    itinerary = getattr(problem, "itinerary", None)
+    legs = () if itinerary is None else itinerary.unfolded(problem.system).legs
+    return [leg.name for leg in legs if leg.name]
 
 
 def _check_within(name: str, value: float, range: tuple[float, float]) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
+
 import pytest
 
 import contwalk as cw
+from contwalk.errors import ContwalkError, StartError
 
 
 @pytest.fixture(scope="module")
@@ -34,3 +37,46 @@ def test_a_special_point_by_its_name(branch):
     assert (points[0].name, points[-1].name, len(points[:2])) == ("EP1", "EP2", 2)
     with pytest.raises(KeyError, match="Known: EP1, HB1, EP2"):
         points["LP1"]
+
+
+def test_a_branch_draws_itself(branch, tmp_path):
+    axes = branch.plot("x", units={"B": "mol"})
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("B (mol)", "x")
+    assert branch.plot("y", ax=axes) is axes
+    assert cw.save(axes, tmp_path / "x.png").stat().st_size > 1000
+    with pytest.raises(ContwalkError, match="z"):
+        branch.plot("z")
+
+
+def test_a_curve_is_drawn_in_both_of_its_parameters():
+    folds = cw.diagram(
+        cw.system_from_text("x' = a + b*x - x^3; a = -1; b = 1; x(0) = -1.3"),
+        "a",
+        (-1, 1),
+        loci={"with": "b", "range": [-0.5, 1.5]},
+    )
+    curve = next(branch for branch in folds if branch.info.problem == "locus")
+    axes = curve.plot()
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("a", "b")
+
+
+@pytest.mark.parametrize("kind", [cw.Equilibrium, cw.PeriodicOrbit, cw.HybridOrbit])
+def test_problems_say_what_they_take_by_name(kind):
+    """`help()` shows each argument, and the docstring says of each what it is."""
+    arguments = inspect.signature(kind).parameters
+    assert not any(each.kind is each.VAR_KEYWORD for each in arguments.values())
+    told = inspect.getdoc(kind).split("Parameters\n")[1]
+    assert [name for name in arguments if f"\n{name} : " not in told] == []
+
+
+def test_orbits_with_events_are_asked_for_by_their_events():
+    ball = cw.load_system("bouncing_ball")
+    bounce = cw.Itinerary((cw.Leg("flight", ball.transition("bounce")),))
+    twice = cw.Itinerary(bounce.legs * 2)
+    state, values = {"y": 0.0158, "v": -0.7435}, ball.defaults() | {"A": 0.0095}
+    given = {"range": (0.009, 0.01), "until": "settled"}
+    once = cw.continue_branch(cw.HybridOrbit(ball, bounce, values, "A"), state, **given)
+    assert once.info.signature == ("bounce",)
+    assert once.plot("impact_phase").get_ylabel().startswith("impact_phase")
+    with pytest.raises(StartError, match="meets bounce, and bounce, bounce is asked for"):
+        cw.continue_branch(cw.HybridOrbit(ball, twice, values, "A"), state, **given)

@@ -50,6 +50,8 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
         State at which pins without a parameter hold their direction.
     discretization : Discretization, optional
         Of the orbits that are born on the branch.
+    second : str, optional
+        A second free parameter, which is the last of the unknowns.
     """
 
     kind = "equilibrium"

@@ -54,11 +54,21 @@ class HybridOrbit(LimitedOrbit, OrbitProblem):
     ----------
     system : System
     itinerary : Itinerary
-    parameters, free, path, pins, reference
-        As for `Equilibrium`.
+        Which mode follows which, through which transitions.
+    parameters : mapping
+        Values of all parameters.
+    free : str
+        Name of the free parameter, or `path`.
+    path : tuple of two mappings, optional
+        All parameters at its beginning and end, when `free` is `path`.
+    pins : sequence of Neutral
+        Neutral directions that are pinned along the branch.
+    reference : ndarray, shape (n,), optional
+        State at which pins without a parameter hold their direction.
     subharmonic : int
         The whole orbit of a forced system lasts so many of its periods.
-    discretization : Discretization
+    discretization : Discretization, optional
+        Steps, segments and how exactly orbits are computed; by default chosen as the accuracy asks.
     """
 
     kind = "hybrid_orbit"

@@ -12,11 +12,11 @@ and `PeriodicOrbit` and `HybridOrbit` offer them to the engine.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import Any, ClassVar, Self, TypeVar, Unpack
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
@@ -25,15 +25,14 @@ from contwalk.problems.forcing import period_at
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.itinerary import Itinerary
 from contwalk.problems.orbit.layout import ClosureLayout, Layout, Segment, joined, times_chosen
-from contwalk.problems.orbit.orbit_data import Further, OrbitData
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.passage import Passage, passage_of
 from contwalk.problems.orbit.piece import Piece, passed
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.shooting import Mesh
 from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
 from contwalk.problems.orbit.view import SAMPLES, LegView
-from contwalk.problems.parameter_line import Ends
-from contwalk.system import System, Transition
+from contwalk.system import Transition
 
 # Halves: pitchforks of orbits with a symmetry that nobody declared stay pitchforks as well.
 PARTS = 2
@@ -53,20 +52,9 @@ class DiscretizedOrbit(OrbitData):
     room: int | None = None  # how many segments of legs a stored branch has room for
     most_steps: int | None = None  # of a segment, where that is known
 
-    def __init__(
-        self,
-        system: System,
-        itinerary: Itinerary,
-        parameters: Mapping[str, float],
-        free: str,
-        path: Ends | None = None,
-        **further: Unpack[Further],
-    ) -> None:
-        self.itinerary = itinerary
-        super().__init__(system, parameters, free, path, **further)
-        self.turns = np.zeros(self.states)
+    def _lay_out(self) -> None:
         # Parts of the closure in which the steps are alike.
-        self.parts = PARTS if self.cuttable and not itinerary.eventful else 1
+        self.parts = PARTS if self.cuttable and not self.itinerary.eventful else 1
         self.layout = self._laid_out(1)
 
     def _laid_out(self, cuts: int, times: np.ndarray | None = None) -> ClosureLayout | Layout:

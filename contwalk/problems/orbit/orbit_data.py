@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Self, TypedDict
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -29,23 +29,12 @@ from contwalk.system import Neutral, System
 MOVES = 1e-2
 
 
-class Further(TypedDict, total=False):
-    """What orbits are given by name; see `PeriodicOrbit`."""
-
-    pins: Sequence[Neutral]
-    reference: np.ndarray | None
-    subharmonic: int
-    discretization: Discretization | None
-
-
 class OrbitData(Orbit):
     """A system, the line of its parameters, what is pinned, and how finely orbits are computed."""
 
     # Whether the one leg is in times of the closure: its period is no unknown where a force has it.
     in_closure: ClassVar[bool] = False
     layout: Positions
-    itinerary: Itinerary
-    turns: np.ndarray
     _mesh: Any
     # Of an integral phase condition, the orbit to which the phase is nearest.
     reference_orbit: Reference | None = None
@@ -53,6 +42,7 @@ class OrbitData(Orbit):
     def __init__(
         self,
         system: System,
+        itinerary: Itinerary,
         parameters: Mapping[str, float],
         free: str,
         path: Ends | None = None,
@@ -62,7 +52,8 @@ class OrbitData(Orbit):
         subharmonic: int = 1,
         discretization: Discretization | None = None,
     ) -> None:
-        self.system, self.line = system, ParameterLine.of(system, parameters, free, path)
+        self.system, self.itinerary = system, itinerary
+        self.line = ParameterLine.of(system, parameters, free, path)
         self.free, self.parameters = free, self.line.parameters
         self.pins, self.reference = tuple(pins), reference
         self.subharmonic = subharmonic
@@ -71,6 +62,12 @@ class OrbitData(Orbit):
         self.forced = system.period is not None
         self.section, self._mesh = None, None
         self.known, self.effort = Evaluations(), Effort()
+        self.turns = np.zeros(self.states)
+        self._lay_out()
+
+    @abstractmethod
+    def _lay_out(self) -> None:
+        """Where unknowns stand until there are steps."""
 
     @property
     @abstractmethod

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Unpack
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
+from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.itinerary import Itinerary, Leg
 from contwalk.problems.orbit.multipliers import Multipliers
-from contwalk.problems.orbit.orbit_data import Further
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import Sample
-from contwalk.system import System
+from contwalk.system import Neutral, System
 
 
 class PeriodicOrbit(OrbitProblem):
@@ -28,11 +28,20 @@ class PeriodicOrbit(OrbitProblem):
     ----------
     system : System
         Its first mode's field is continued.
-    parameters, free, path, pins, reference
-        As for `Equilibrium`.
+    parameters : mapping
+        Values of all parameters.
+    free : str
+        Name of the free parameter, or `path`.
+    path : tuple of two mappings, optional
+        All parameters at its beginning and end, when `free` is `path`.
+    pins : sequence of Neutral
+        Neutral directions that are pinned along the branch.
+    reference : ndarray, shape (n,), optional
+        State at which pins without a parameter hold their direction.
     subharmonic : int
         The orbit of a forced system lasts so many of its periods.
-    discretization : Discretization
+    discretization : Discretization, optional
+        Steps, segments and how exactly orbits are computed; by default chosen as the accuracy asks.
     """
 
     kind = "periodic_orbit"
@@ -47,10 +56,20 @@ class PeriodicOrbit(OrbitProblem):
         parameters: Mapping[str, float],
         free: str,
         path: Ends | None = None,
-        **further: Unpack[Further],
+        *,
+        pins: Sequence[Neutral] = (),
+        reference: np.ndarray | None = None,
+        subharmonic: int = 1,
+        discretization: Discretization | None = None,
     ) -> None:
-        itinerary = Itinerary((Leg(system.modes[0].name),))
-        super().__init__(system, itinerary, parameters, free, path, **further)
+        given = system, Itinerary((Leg(system.modes[0].name),)), parameters, free, path
+        super().__init__(
+            *given,
+            pins=pins,
+            reference=reference,
+            subharmonic=subharmonic,
+            discretization=discretization,
+        )
 
     # -- along a branch ----------------------------------------------------------------------------------
 
