@@ -33,6 +33,15 @@ def load_system(
 ) -> System:
     """The system of this name or plugin file, built with these model choices, and found sound.
 
+    Parameters
+    ----------
+    reference : str or Path
+        An installed system's name, a plugin file that exports `SYSTEM`, or `equations:` and a text of them.
+    model : mapping, optional
+        Model choices that the system declares, by name.
+    base : Path, optional
+        Folder of relative paths; by default the current one.
+
     Raises
     ------
     SystemDefinitionError

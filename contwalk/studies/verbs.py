@@ -100,6 +100,8 @@ def switch_branch(
     branch : Branch
     point : str or SpecialPoint
         A special point, as `BP1`.
+    range, marks, **settings
+        As for `continue_branch`.
 
     Raises
     ------
@@ -149,6 +151,13 @@ def points(
 
     Each `Point` has `state.sample` (z, eigenvalues, unstable, observables, ...) and `special`, the record of
     a special point or None.
+
+    Parameters
+    ----------
+    problem, state, range, period, until, **settings
+        As for `continue_branch`.
+    forward : bool
+        Whether it begins towards a growing parameter.
     """
     chosen = _settings(problem, range, None, settings)
     with one_thread():

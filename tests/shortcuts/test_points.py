@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-
 import pytest
 
 import contwalk as cw
@@ -58,15 +56,6 @@ def test_a_curve_is_drawn_in_both_of_its_parameters():
     curve = next(branch for branch in folds if branch.info.problem == "locus")
     axes = curve.plot()
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("a", "b")
-
-
-@pytest.mark.parametrize("kind", [cw.Equilibrium, cw.PeriodicOrbit, cw.HybridOrbit])
-def test_problems_say_what_they_take_by_name(kind):
-    """`help()` shows each argument, and the docstring says of each what it is."""
-    arguments = inspect.signature(kind).parameters
-    assert not any(each.kind is each.VAR_KEYWORD for each in arguments.values())
-    told = inspect.getdoc(kind).split("Parameters\n")[1]
-    assert [name for name in arguments if f"\n{name} : " not in told] == []
 
 
 def test_orbits_with_events_are_asked_for_by_their_events():
