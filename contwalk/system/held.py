@@ -7,6 +7,7 @@ choices of the model, so that whoever loads the system again finds them.
 from __future__ import annotations
 
 import math
+import re
 import types
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
@@ -36,6 +37,10 @@ class HeldError(SystemDefinitionError):
 def held_in(system: System) -> dict[str, str]:
     """Expressions by the names of the parameters that they hold."""
     return {key.removeprefix(HELD): str(text) for key, text in system.model.items() if key.startswith(HELD)}
+
+
+# A date is digits and minus signs, as a difference is; Python has no number that begins so either.
+_ODD_NUMBER = re.compile(r"(?<![\w.])0\d+(?![\w.])")
 
 
 def settled(system: System, values: Mapping[str, float]) -> dict[str, float]:
@@ -129,6 +134,9 @@ def _ordered(held: tuple[tuple[str, str], ...]) -> tuple[tuple[str, Node], ...]:
 
     trees: dict[str, Node] = {}
     for name, text in held:
+        odd = _ODD_NUMBER.search(text)
+        if odd:
+            raise _wrong(name, text, f"'{odd.group()}' is no number", "A date is no value; write 1, not 01.")
         try:
             trees[name] = expression_of(text)
         except ModelError as error:

@@ -137,6 +137,7 @@ WRONG = {
     "B: 2 *": "stands where a number, a name or ( must",
     "B: sine(A)": "there is no function 'sine'",
     "B: 'sin(A, C)'": "sin takes 1 argument",
+    "B: 2024-01-01": "'01' is no number. A date is no value",
     "B: 2 * B": "it is held by itself",
     "B: C, C: B + 1": "it is held by itself",
     "B: __import__('os')": "stands where a number, a name or ( must",

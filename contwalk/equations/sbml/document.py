@@ -105,4 +105,5 @@ def _check_elements(text: str, told: Model) -> None:
     try:
         parser.Parse(text.encode("utf-8", errors="surrogatepass").decode("utf-8", errors="replace"), True)
     except expat.ExpatError as error:
-        raise told.wrong(error.lineno, f"this is no XML: {expat.ErrorString(error.code)}.", "") from None
+        sentence = f"this is no XML: {expat.ErrorString(error.code)}."
+        raise told.wrong(error.lineno, sentence, "Take the file anew from where it came.") from None
