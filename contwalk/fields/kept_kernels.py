@@ -28,7 +28,7 @@ class KeptKernels:
     def __init__(self, program: Program, made_by: str) -> None:
         graph = program.graph
         self._key = object_cache.key(
-            "kernel", sys.version, _generator(made_by), repr((graph.nodes, graph.tables, program.tree))
+            "kernel", sys.version, generator(made_by), repr((graph.nodes, graph.tables, program.tree))
         )
 
     def kernel(self, described: object, derive: Callable[[], Kernel]) -> Kernel:
@@ -58,6 +58,6 @@ def _read(values: list[Any] | None) -> Kernel | None:
 
 
 @cache
-def _generator(module: str) -> str:
-    """Hash of the text of all modules that kernels are derived by."""
+def generator(module: str) -> str:
+    """Hash of the text of all modules that what a module makes is derived by."""
     return object_cache.key(str(noise.SEED), *text_behind(module))

@@ -90,7 +90,7 @@ def test_another_field_is_another_entry():
 def test_another_generator_makes_its_own_entries(monkeypatch):
     told(pendulum())
     asked = []
-    monkeypatch.setattr(kept_kernels, "_generator", lambda module: "another version")
+    monkeypatch.setattr(kept_kernels, "generator", lambda module: "another version")
     own = equations.jacobian
     monkeypatch.setattr(equations, "jacobian", lambda *a: asked.append(1) or own(*a))
     told(pendulum())

@@ -57,7 +57,7 @@ def test_another_guard_is_another_one(derived):
 
 def test_another_text_derives_anew(derived, monkeypatch):
     assert GuardCode(_system(), _guard, "free").address
-    monkeypatch.setattr(guard_code, "_generator", lambda: "another")
+    monkeypatch.setattr(guard_code, "generator", lambda module: "another")
     assert GuardCode(_system(), _guard, "free").address
     assert derived == ["guard", "guard"]
 

@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from functools import cache
 from typing import Any, NamedTuple
 
 from contwalk import object_cache
-from contwalk.module_texts import text_behind
-from contwalk.numerics import noise
+from contwalk.fields.kept_kernels import generator
 
 
 class Derived(NamedTuple):
@@ -50,7 +48,9 @@ def derived(described: object, derive: Callable[[], Derived]) -> Derived:
     derive : callable
         Asked if nothing is kept, or if it is damaged.
     """
-    name = object_cache.key("derived", sys.version, _generator(), repr(described))
+    name = object_cache.key(
+        "derived", sys.version, generator("contwalk.flow.compiled.field"), repr(described)
+    )
     found = _read(object_cache.load_values(name))
     if found is None:
         found = derive()
@@ -69,9 +69,3 @@ def _read(values: list[Any] | None) -> Derived | None:
 def _is_sound(found: Derived) -> bool:
     kinds: tuple[type[Any], ...] = (list, list, int, str, str, str)
     return all(isinstance(value, kind) for value, kind in zip(found, kinds, strict=True))
-
-
-@cache
-def _generator() -> str:
-    """Hash of the text of all modules that texts are made by."""
-    return object_cache.key(str(noise.SEED), *text_behind("contwalk.flow.compiled.field"))

@@ -9,21 +9,20 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 from weakref import WeakValueDictionary
 
 from contwalk import object_cache
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.graph import Graph
+from contwalk.fields.kept_kernels import generator
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import function, module
 from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import trace
 from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, arguments
-from contwalk.module_texts import text_behind
-from contwalk.numerics import noise
 from contwalk.system import System
 
 Watched = Callable[[Any, Any, Any], Any]
@@ -130,7 +129,7 @@ class GuardCode:
         """The text of a function, from an earlier process if one has derived it from the same graph."""
         graph, (nodes, tables) = self.program.graph, self._size
         described = graph.nodes[:nodes], graph.tables[:tables], self.program.tree, self._states, self.m
-        key = object_cache.key("guard", name, sys.version, _generator(), repr(described))
+        key = object_cache.key("guard", name, sys.version, generator(__name__), repr(described))
         kept = object_cache.load_values(key)
         if kept is not None and len(kept) == 1 and isinstance(kept[0], str):
             return kept[0]
@@ -171,9 +170,3 @@ def _uncertainty(graph: Graph, node: int, states: Sequence[int]) -> int:
     for i, partial in jacobian(graph, [node], states)[0].items():
         bound = graph.add(bound, graph.call("abs", graph.mul(partial, states[i])))
     return bound
-
-
-@cache
-def _generator() -> str:
-    """Hash of the text of all modules that texts are made by."""
-    return object_cache.key(str(noise.SEED), *text_behind("contwalk.flow.events.guard_code"))

@@ -25,7 +25,8 @@ def active(machine: HybridMachine, recurrence: HybridRecurrence) -> list[Neutral
     found: list[Neutral] = []
     scale = recurrence.magnitudes
     for neutral in machine.system.neutral:
-        if not all(_kept(machine, neutral, recurrence, k) for k in range(len(recurrence.stretches))):
+        given = machine, neutral, recurrence
+        if not all(_carried(*given, k) and _passed(*given, k) for k in range(len(recurrence.stretches))):
             continue
         together = directions(
             machine.system, [*found, neutral], recurrence.stretches[0].state, machine.parameters
@@ -77,11 +78,6 @@ def broken_by_events(machine: HybridMachine, recurrence: HybridRecurrence) -> di
         if first is not None:
             found[neutral.name] = first
     return found
-
-
-def _kept(machine: HybridMachine, neutral: Neutral, recurrence: HybridRecurrence, k: int) -> bool:
-    """Whether a stretch and the transition that ends it keep a generator."""
-    return _carried(machine, neutral, recurrence, k) and _passed(machine, neutral, recurrence, k)
 
 
 def _carried(machine: HybridMachine, neutral: Neutral, recurrence: HybridRecurrence, k: int) -> bool:
