@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.numerics.linear import EPSILON
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.passage import Passage
 
@@ -98,7 +99,12 @@ class SlowPlace:
             f, j = field(x)
             if not (np.all(np.isfinite(f)) and np.all(np.isfinite(j))):
                 return None
-            step = np.linalg.lstsq(j * units / self.scale[:, None], f / self.scale, rcond=1e-12)[0]
+            scaled = j * units / self.scale[:, None]
+            # What no motion changes stays as it is: of equilibria in a row, the one that the orbit comes to.
+            left, sizes, _ = np.linalg.svd(scaled)
+            kept = left[:, sizes <= len(x) * EPSILON * sizes[0]].T @ np.eye(len(f), len(x))
+            rates = np.append(f / self.scale, np.zeros(len(kept)))
+            step = np.linalg.lstsq(np.vstack([scaled, kept]), rates, rcond=1e-12)[0]
             x = x - step * units
             length = float(np.linalg.norm(step))
             if length < CONVERGED:
