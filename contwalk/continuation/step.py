@@ -131,7 +131,7 @@ class _Search:
         except (PluginError, NotFinite) as error:
             return Refusal(Cause.NO_SOLUTION, error.sentence, error.reason)
         if not isinstance(met, Refusal):
-            return self._seen_once(met, attempted)
+            return self._regained(attempted, met) or self._seen_once(met, attempted)
         if met.cause is Cause.BLURRED:  # the last step that turned too much was a parabola: that one, then
             return replace(met, instead=self.parabolas.pop())
         if met.cause is Cause.PARABOLA:
@@ -247,7 +247,9 @@ class _Search:
         except Disagreement as disagreement:
             if not (smallest or self.seen):
                 raise
-            found = [_unlocated(segment, disagreement)]
+            a, b, width = segment.a, segment.b, abs(float(segment.chord[-1]))
+            what = disagreement.type, b, width, disagreement.sentence
+            found = [unlocated(1.0, *what, a.unstable, b.unstable)]
             if self.seen is not None:
                 place = segment.position(self.seen.located.z)
                 found = [replace(self.seen, theta=place, after=segment.b.unstable)]
@@ -267,17 +269,18 @@ class _Search:
         self.seen = lost[0]
         return Refusal(Cause.UNDECIDED, self.seen.note, instead=beyond)
 
-    def _regained(self, attempted: Attempt, refused: Refusal) -> Step | None:
-        """The step to where the branch is its parent's again; None where that is not why one is refused.
+    def _regained(self, attempted: Attempt, met: Step | Outcome | Refusal) -> Step | None:
+        """The step to where the branch is its parent's again; None where it is not that.
 
-        It is looked for where a step ends on the parent, and once where it is shorter than solutions are
+        It is looked for where a step ends on the parent, and once where one is shorter than its ends are
         known to.
         """
         problem, sample, length = attempted.correction.problem, self.state.sample, attempted.length
-        blind = length < sample.error
-        if not (refused.cause is Cause.PARENT or (blind and not self.looked)):
+        on_parent = isinstance(met, Refusal) and met.cause is Cause.PARENT
+        known = max(sample.error, met.there.error if isinstance(met, Step) else 0.0)
+        if not on_parent and (self.looked or length >= known):
             return None
-        self.looked = self.looked or blind
+        self.looked = self.looked or length < known
         back = back_at_parent(problem, sample, max(length, sample.error), self.settings, self.observer)
         return None if back is None else Step(back[0], back[0].b, [back[1]], attempted.length)
 
@@ -370,9 +373,3 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
     reached = [f for f in found if f.kind != "unlocated" and f.type.test is Test.MARGIN]
     goes_on = limits.stopping(segment.problem, reached, settings.events) is None
     return goes_on and limits.in_doubt(segment)
-
-
-def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:
-    """What is detected and cannot be located is kept, between the samples that show it."""
-    a, b, width = segment.a, segment.b, abs(float(segment.chord[-1]))
-    return unlocated(1.0, disagreement.type, b, width, disagreement.sentence, a.unstable, b.unstable)

@@ -81,14 +81,15 @@ def test_no_doubled_orbit_is_its_parent_before_it_ends(branches):
 
 
 @pytest.mark.slow
-def test_a_fold_that_is_the_parents_is_where_the_branch_ends():
+@pytest.mark.parametrize("top", [6.0, 6.5])
+def test_a_fold_that_is_the_parents_is_where_the_branch_ends(top):
     """Where the branch is its parent's again the parameter turns, and a step that ended right beyond, known
     to less than its length, told a fold there and crept on.
     """
     problem = cw.Equilibrium(food_chain(), {"b1": 2.0}, "b1")
-    equilibria = cw.continue_branch(problem, [0.8, 0.12, 10.0], (1.5, 6.0))
-    cycles = cw.switch_branch(problem, equilibria, "HB1", (1.5, 6.0))
-    doubled = cw.switch_branch(problem, cycles, "PD1", (1.5, 6.0))
+    equilibria = cw.continue_branch(problem, [0.8, 0.12, 10.0], (1.5, top))
+    cycles = cw.switch_branch(problem, equilibria, "HB1", (1.5, top))
+    doubled = cw.switch_branch(problem, cycles, "PD1", (1.5, top))
     assert doubled.outcome.reason == "rejoined", doubled.outcome.message
     end, met = doubled.special_points[-1], cycles.special_points[1]
     assert (end.label, met.label) == ("EP", "PD")

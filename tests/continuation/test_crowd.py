@@ -10,12 +10,12 @@ from made_up import line
 from contwalk.branch import Outcome
 from contwalk.continuation import pseudo_arclength
 from contwalk.continuation.ends import CREEPING, IN_A_ROW, Crowd
-from contwalk.continuation.locating import Disagreement
+from contwalk.continuation.locating import unlocated
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.pseudo_arclength import End, walk
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
-from contwalk.continuation.step import Step, _unlocated, take_step
+from contwalk.continuation.step import Step, take_step
 
 
 def test_ten_that_lie_within_errors_are_noise_and_nine_are_not():
@@ -60,8 +60,7 @@ def test_a_walk_over_rounding_ends_and_one_whose_points_lie_apart_goes_on(monkey
         step = take_step(problem, state, settings, observer)
         if isinstance(step, Outcome):
             return step
-        kind = problem.point_types[0]
-        found = _unlocated(step.segment, Disagreement(kind, "Not found."))
+        found = unlocated(1.0, problem.point_types[0], step.segment.b, 0.0, "Not found.")
         return replace(step, found=[replace(found, sample=replace(found.sample, error=error))])
 
     monkeypatch.setattr(pseudo_arclength, "take_step", doubtful)
