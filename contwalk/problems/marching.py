@@ -36,7 +36,7 @@ class Coordinate:
     """What is held: its value at a solution z of a problem, and its gradient, both of shape (N + 1,).
 
     `grows` are the unknowns whose magnitudes grow with it, shape (N + 1,). Solutions that are not found count
-    in a row alone once it has grown by the factor `surely`: what runs to infinity is followed in ever longer
+    in a row alone while it grows by the factor `surely`: what runs to infinity is followed in ever longer
     steps, a canard's family only in short ones through all its changes of shape.
     """
 
@@ -100,7 +100,7 @@ def march(
         return
     yield from found
     place, weights = found[-1], samples[-1].weights
-    begun, lost, moves = place.at, 0, abs(left)
+    begun, since, lost, moves = place.at, place.at, 0, abs(left)
     for _ in range(MOST):
         grown = np.where(coordinate.grows, max(_times(place.at + step, begun), 1.0), 1.0)
         further = _held(place.problem, coordinate, _guess(place, step, left), weights * grown, left)
@@ -112,7 +112,8 @@ def march(
         pair = pair_of(place, further)
         left = pair.left if pair.falls else left
         moves = max(abs(left), abs(float(pair.values[1] - pair.values[0])))
-        lost = 0 if abs(further.at) > coordinate.surely * abs(begun) else lost
+        if abs(further.at) > coordinate.surely * abs(since):
+            lost, since = 0, further.at
         place, step = further, LONGER * step
         yield place
 
