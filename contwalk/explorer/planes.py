@@ -10,7 +10,7 @@ import numpy as np
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.explorer.packing import packed, predicted, short, varints
-from contwalk.plotting.phase_plane import Plane, nullclines
+from contwalk.plotting.phase_plane import Plane
 from contwalk.system import System
 from contwalk.workflow.phase_plane import plane_of, window_about
 from contwalk.workflow.stored.orbit_motions import Motion
@@ -91,7 +91,7 @@ def _directions(plane: Plane) -> np.ndarray:
 
 def _curves(plane: Plane) -> list[tuple[str, np.ndarray]]:
     """Nullclines of both states, then manifolds: what each is, and its points (k, 2)."""
-    found = [(f"null{k}", curve) for k, curves in enumerate(nullclines(plane)) for curve in curves]
+    found = [(f"null{k}", curve) for k, curves in enumerate(plane.nullclines) for curve in curves]
     size = np.array([np.ptp(plane.x), np.ptp(plane.y)])
     for curve, unstable in plane.manifolds:
         way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve, axis=0) / size, axis=1)))

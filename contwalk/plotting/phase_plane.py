@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from contourpy import contour_generator
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
@@ -58,6 +57,8 @@ class Plane:
         Values of the grid.
     rates : ndarray, shape (m, k, 2)
         The rates of both states there; NaN where there are none.
+    nullclines : pair of list of ndarray
+        Curves on which a rate is zero, each of shape (q, 2), of both rates.
     rests : tuple of Rest
     manifolds : tuple of (ndarray, bool)
         Curves, shape (q, 2), and whether they are unstable ones.
@@ -67,17 +68,9 @@ class Plane:
     x: np.ndarray
     y: np.ndarray
     rates: np.ndarray
+    nullclines: tuple[list[np.ndarray], ...]
     rests: tuple[Rest, ...]
     manifolds: tuple[tuple[np.ndarray, bool], ...]
-
-
-def nullclines(plane: Plane) -> tuple[list[np.ndarray], ...]:
-    """Curves on which a rate is zero, each of shape (k, 2), for both rates."""
-    found = []
-    for number in range(len(plane.names)):
-        lines = contour_generator(plane.x, plane.y, plane.rates[..., number]).lines(0.0)
-        found.append([np.asarray(line, dtype=float) for line in lines])
-    return tuple(found)
 
 
 def plot_phase_plane(
@@ -108,19 +101,19 @@ def plot_phase_plane(
     dress(ax, *(axis_label(name, units) for name in plane.names))
     _draw_field(ax, plane, arrows)
     handles: dict[str, Line2D] = {}  # one of each name
-    width = STABLE["linewidth"]
+    look: dict[str, Any]
     for number, name in enumerate(plane.names):
-        values, color = plane.rates[..., number], PALETTE[number]
-        if np.nanmin(values) < 0 < np.nanmax(values):
-            ax.contour(plane.x, plane.y, values, [0.0], colors=color, linewidths=width, zorder=2)
-            _enter(handles, f"{name} rests", {"color": color, **STABLE})
+        look = {**STABLE, "color": PALETTE[number]}
+        for curve in plane.nullclines[number]:
+            ax.plot(*curve.T, gid=f"nullcline-{number}", zorder=2, **look)
+            _enter(handles, f"{name} rests", look)
     for curve, unstable in plane.manifolds:
         ax.plot(*curve.T, gid="manifold", zorder=2.5, **MANIFOLD[unstable])
     for unstable, words in ((True, "unstable manifold"), (False, "stable manifold")):
         if any(which is unstable for _, which in plane.manifolds):
             _enter(handles, words, MANIFOLD[unstable])
     for number, curve in enumerate(orbits):
-        look: dict[str, Any] = {
+        look = {
             "color": PALETTE[2],
             "linewidth": 1.9,
             "linestyle": "-" if stable[number] else "--",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+from contourpy import contour_generator
 from scipy.integrate import solve_ivp
 
 from contwalk.branch import Branch, SpecialPoint
@@ -65,9 +66,11 @@ def plane_of(
     with np.errstate(all="ignore"):
         found = rates(grid.reshape(-1, 2)).reshape(grid.shape)
     whole = len(system.states) == 2
-    rests = _rests(rates, grid, found, window) if whole else []
+    with np.errstate(all="ignore"):
+        zeros, passed = zip(*(_nullclines(rates, grid, found, number) for number in range(2)), strict=True)
+    rests = _rests(rates, grid, passed[0] & passed[1], window) if whole else []
     ways = [way for rest in rests if rest.saddle for way in _manifolds(rates, rest, window, points, accuracy)]
-    return Plane(tuple(names), x, y, found, tuple(rests), tuple(ways))
+    return Plane(tuple(names), x, y, found, zeros, tuple(rests), tuple(ways))
 
 
 def _check(system: System, names: Sequence[str]) -> None:
@@ -91,13 +94,48 @@ def _one_field(system: System) -> bool:
     return not changes and system.period is None and system.modes[0].kind != "map"
 
 
-def _rests(rates: Rates, grid: np.ndarray, found: np.ndarray, window: np.ndarray) -> list[Rest]:
-    """Equilibria in the window: Newton's method from each cell in which both rates change their sign."""
-    corners = np.stack([found[:-1, :-1], found[1:, :-1], found[:-1, 1:], found[1:, 1:]])
-    changes = ((corners.min(axis=0) <= 0) & (corners.max(axis=0) >= 0)).all(axis=-1)
+def _nullclines(
+    rates: Rates, grid: np.ndarray, found: np.ndarray, number: int, halvings: int = 24
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """Curves, each of shape (k, 2), on which a rate is zero; which cells of the grid they pass.
+
+    Between two points of the grid a rate changes its sign where it is zero, at a pole, and where it jumps.
+    The interval between them is halved again and again: towards a zero the rate falls with it, as a power of
+    it. Elsewhere the curve is broken.
+    """
+    step, last, curves = grid[1, 1] - grid[0, 0], np.array(grid.shape[1::-1]) - 1, []
+    passed = np.zeros(tuple(last[::-1]), dtype=bool)
+    sizes = np.pad(np.nan_to_num(np.abs(found[..., number]), posinf=0.0), 1)
+    around = np.lib.stride_tricks.sliding_window_view(sizes, (3, 3)).max(axis=(2, 3))
+    for line in contour_generator(grid[0, :, 0], grid[:, 0, 1], found[..., number]).lines(0.0):
+        at = (np.asarray(line) - grid[0, 0]) / step
+        # A place of the curve lies on an edge of the grid: along it one coordinate is no whole number.
+        along = np.eye(2)[np.argmax(np.abs(at - np.round(at)), axis=1)]
+        low = np.where(along > 0, np.floor(at), np.round(at))
+        corner = low.astype(int)
+        low, high = (grid[0, 0] + step * np.minimum(end, last) for end in (low, low + along))
+        above = rates(high)[:, number]
+        for _ in range(halvings):
+            middle = (low + high) / 2
+            value = rates(middle)[:, number]
+            upper = (np.sign(value) == np.sign(above))[:, None]
+            low, high = np.where(upper, low, middle), np.where(upper, middle, high)
+        nearest = around[tuple(np.round(at).astype(int).T[::-1])]
+        zero = np.abs(rates((low + high) / 2)[:, number]) <= nearest * 2.0 ** (-halvings / 4)
+        for part in np.split(np.arange(len(at)), np.flatnonzero(np.diff(zero)) + 1):
+            if zero[part[0]] and len(part) > 1:
+                curves.append((low + high)[part] / 2)
+        for beside in (corner, corner + along.astype(int) - 1):  # the cells on both sides of an edge
+            column, row = np.clip(beside[zero], 0, last - 1).T
+            passed[row, column] = True
+    return curves, passed
+
+
+def _rests(rates: Rates, grid: np.ndarray, passed: np.ndarray, window: np.ndarray) -> list[Rest]:
+    """Equilibria in the window: Newton's method from each cell that nullclines of both rates pass."""
     size = window[:, 1] - window[:, 0]
     rests: list[Rest] = []
-    for row, column in np.argwhere(changes):
+    for row, column in np.argwhere(passed):
         rest = _rest_near(rates, (grid[row, column] + grid[row + 1, column + 1]) / 2, size)
         if rest is None or np.any((rest.place < window[:, 0]) | (rest.place > window[:, 1])):
             continue

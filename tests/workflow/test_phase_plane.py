@@ -92,3 +92,22 @@ def test_command(tmp_path, monkeypatch, capsys):
         assert run([*plot, *more, "-o", "other.png"]) == 2
         assert said in capsys.readouterr().err
     assert not (tmp_path / "other.png").exists()
+
+
+def test_nullclines_are_on_the_zeros():
+    plane = well(0.5)
+    x, v = np.vstack(plane.nullclines[1]).T
+    np.testing.assert_allclose(v, 2.0 * (x - x**3), atol=2e-4)
+    assert np.ptp(x) > 2.4  # |v| is 1.2 at |x| = 1.221
+    assert np.vstack(plane.nullclines[0])[:, 1] == pytest.approx(0.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("other", ["1/(x + 0.3) - 2", "abs(x + 0.3)/(x + 0.3) - 0.5*(x - 0.2)/abs(x - 0.2)"])
+def test_a_rate_that_changes_its_sign_at_a_pole_or_a_jump_has_no_nullcline_there(other):
+    """1/(x + 0.3) is 2 at 0.2; a sum of a sign and half a sign is nowhere zero."""
+    system = cw.system_from_text(f"x' = {other}; y' = x - y; a = 1")
+    (across, other_null) = plane_of(system, {"a": 1.0}, ["x", "y"], np.zeros(2), WINDOW).nullclines
+    found = np.vstack([*across, np.empty((0, 2))])[:, 0]
+    assert found == pytest.approx(0.2, abs=1e-4)
+    assert len(found) == (0 if "abs" in other else 161)
+    assert np.ptp(np.vstack(other_null)[:, 0]) > 2.0
