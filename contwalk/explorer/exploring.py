@@ -11,6 +11,7 @@ from typing import Any, Protocol
 from contwalk.errors import ContwalkError
 from contwalk.explorer.charts import chart_of
 from contwalk.explorer.diagram import diagram_of
+from contwalk.explorer.making import making_of
 from contwalk.explorer.motions import branch_part
 from contwalk.explorer.packing import packed
 from contwalk.explorer.page import written
@@ -123,6 +124,7 @@ def explored(
         "states": list(branches[0].info.states) if branches else [],
         "watched": watched,
         "time": f"time{in_brackets(units.get('period', ''))}",
+        "making": making_of(header.config, header.provenance, "continue"),
         "command": _command(header.provenance, database.path),
         "draws": system is not None and system.draw is not None,
     }

@@ -188,11 +188,23 @@ function list() {
   }
 }
 
+// What labels mean, and how the file was made.
+function making({ facts, config }) {
+  const used = new Set(data.branches.flatMap(branch => branch.points.map(point => point.label)));
+  for (const [label, meaning] of Object.entries(data.meanings || {}))
+    if (used.has(label)) get("labels").append(html("li", `${label} ${meaning}`));
+  get("making").hidden = !facts;
+  if (!facts) return;
+  for (const fact of facts) get("made").append(html("li", fact));
+  get("config").textContent = config;
+}
+
 function begin() {
   get("system").textContent = data.system;
   get("model").textContent = [data.model, data.file].filter(Boolean).join(" · ");
   for (const text of [...data.made, ...data.notes, ...data.missing]) get("notes").append(html("li", text));
   list();
+  making(data.making || {});
   for (const [id, panel] of [["diagram", data.diagram], ["plane", data.plane]]) {
     get(`${id}-panel`).hidden = !panel;
     if (!panel) continue;

@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.errors import ContwalkError
 from contwalk.explorer.machine import MachineOfBranch
+from contwalk.explorer.making import making_of
 from contwalk.explorer.packing import packed, short
 from contwalk.explorer.page import written
 from contwalk.explorer.system_of_page import system_or_said
@@ -61,6 +62,9 @@ def margins_page(path: Path, trust: bool = False) -> tuple[str, tuple[str, ...]]
         "states": list(margins.states),
         "watched": "",
         "time": "time",
+        "making": making_of(
+            str(margins.header.get("config", "")), margins.header.get("provenance", {}), "margins"
+        ),
         "draws": machine is not None,
         "margins": {
             "instants": [_instant(margins, number, units) for number in range(len(margins.instants))],

@@ -153,4 +153,5 @@ def test_what_a_database_says_is_text(browser, tmp_path):
     assert page.tab.locator("#bold, img, #notes script").count() == 0
     assert "<b id=bold>&amp;.h5" in page.tab.locator("#model").text_content()
     assert "<img src=x onerror=alert(1)>" in page.tab.locator("#notes").text_content()
+    assert "</script><b id=bold>" in page.tab.locator("#config").text_content()
     page.close()
