@@ -14,6 +14,9 @@ autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 html_theme = "furo"
 html_title = f"contwalk {__version__}"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+default_role = "code"  # what docstrings have between single backticks
 html_copy_source = False
 html_show_sphinx = html_show_copyright = False
 exclude_patterns = ["files/**"]
