@@ -89,10 +89,11 @@ class Curve {
     drawPlane(this.behind, axes, this.plane, this.flip);
     let line = "", jumps = "";
     for (let k = 0; k < xs.length; k++) {
+      if (!Number.isFinite(xs[k]) || !Number.isFinite(ys[k])) continue; // a whole branch is chosen: no state
       const at = `${axes.px(xs[k]).toFixed(1)} ${axes.py(ys[k]).toFixed(1)}`;
       const jump = k > 0 && this.broken && this.broken(k);
       if (jump) jumps += `M${axes.px(xs[k - 1]).toFixed(1)} ${axes.py(ys[k - 1]).toFixed(1)}L${at}`;
-      line += `${k && !jump ? "L" : "M"}${at}`;
+      line += `${line && !jump ? "L" : "M"}${at}`;
     }
     this.path.setAttribute("d", line);
     this.jumps.setAttribute("d", jumps);
@@ -109,7 +110,9 @@ class Curve {
     }
   }
   at(x, y, hand) {
-    const { axes } = this, { top } = axes.margin;
+    const { axes } = this, { top } = axes.margin, there = Number.isFinite(x) && Number.isFinite(y);
+    for (const each of [this.dot, this.hand]) each.setAttribute("visibility", there ? "visible" : "hidden");
+    if (!there) return;
     this.dot.setAttribute("cx", axes.px(x));
     this.dot.setAttribute("cy", axes.py(y));
     this.hand.setAttribute("visibility", hand ? "visible" : "hidden");

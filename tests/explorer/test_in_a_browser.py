@@ -104,6 +104,17 @@ def test_a_click_sets_the_machine_in_motion(browser, pages):
     page.close()
 
 
+def test_a_whole_branch_has_no_state(browser, pages):
+    """Nothing is drawn where a point's state stands: the console would tell of numbers that are none."""
+    page = Opened(browser, pages("impact_oscillator")[0], query="?point=b2/20")
+    page.tab.locator("#branches button[data-branch='b2']").click()
+    assert page.selected() == "b2"
+    assert page.tab.locator("#portrait-svg .moving").get_attribute("visibility") == "hidden"
+    page.click("b2/20")
+    assert page.tab.locator("#portrait-svg .moving").get_attribute("visibility") == "visible"
+    page.close()
+
+
 def test_a_point_of_a_curve_is_shown_in_the_diagram(browser, pages):
     page = Opened(browser, pages("autobalancer_border_chart")[0])
     page.click("b2/40")
