@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from contwalk.errors import ContwalkError
 from contwalk.labels import END
@@ -80,3 +80,16 @@ class Finding:
     def of_point(self) -> bool:
         """Whether it is one of a special point."""
         return not self.of_row and not self.of_end
+
+
+def judged_by_errors(found: Finding, rounding: float) -> Finding:
+    """The verdict on two values by the errors of both: a check that would not see 100 errors is none.
+
+    A smaller error than some roundings cannot be told from these: the second computation is in doubles.
+    """
+    allowed = SLACK * (found.stored_error + found.own_error)
+    if found.difference > allowed:
+        return replace(found, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")
+    if allowed > MOVED * max(found.stored_error, 4.0 * rounding):
+        return replace(found, reason=f"it is recomputed to {found.own_error:.1e} only")
+    return replace(found, verdict=AGREES)

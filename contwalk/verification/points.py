@@ -21,16 +21,16 @@ from contwalk.verification.finding import (
     AGREES,
     CANNOT_TELL,
     DISAGREES,
-    MOVED,
     SLACK,
     CannotTell,
     Contradiction,
     Finding,
+    judged_by_errors,
 )
 from contwalk.verification.limits import KINDS, limit
 from contwalk.verification.marks import mark
 from contwalk.verification.orbit import OrbitEquations
-from contwalk.verification.records import equations_of, free_of, of_orbits
+from contwalk.verification.records import equations_of, free_of, method_of
 from contwalk.verification.rows import checked_row
 from contwalk.verification.solving import Condition, NotThere, Sheet, Solution, solved
 from contwalk.verification.words import told
@@ -43,9 +43,7 @@ WHOLE = (*BOTH, *RESONANCES, "BT", "CP")
 
 def checked_point(system: System, branch: Branch, point: SpecialPoint) -> Finding:
     """One special point, recomputed from its own words."""
-    begun = Finding(
-        branch.name, point.name, branch.info.free[0], method="SciPy DOP853" if of_orbits(branch) else "Newton"
-    )
+    begun = Finding(branch.name, point.name, branch.info.free[0], method=method_of(branch))
     if point.status != "located":
         return replace(begun, reason="it was not located in the first place")
     if point.label == MARK and point.kind == "parameter" and branch.info.problem != LOCUS:
@@ -178,10 +176,4 @@ def _judged(
         stored_error=float(errors[worst]),
         own_error=float(own[worst]),
     )
-    # A smaller error than some roundings cannot be told from these: the second computation is in doubles.
-    least = max(result.stored_error, 4.0 * float(np.spacing(equations.sizes[size + worst])))
-    if result.difference > SLACK * (result.stored_error + result.own_error):
-        return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")
-    if SLACK * (result.stored_error + result.own_error) > MOVED * least:
-        return replace(result, reason=f"it is recomputed to {result.own_error:.1e} only")
-    return replace(result, verdict=AGREES)
+    return judged_by_errors(result, float(np.spacing(equations.sizes[size + worst])))

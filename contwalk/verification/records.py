@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.branch import ORBITS, Branch, SpecialPoint
+from contwalk.signatures import is_iterated
 from contwalk.system import System
 from contwalk.verification.equations import Equations
 from contwalk.verification.equilibrium import EquilibriumEquations
@@ -23,6 +24,13 @@ def of_orbits(branch: Branch) -> bool:
     return problem_of(branch) in ORBITS
 
 
+def method_of(branch: Branch) -> str:
+    """How records are recomputed: nothing moves between two iterates of a map, which is only applied."""
+    if not of_orbits(branch):
+        return "Newton"
+    return "iteration" if is_iterated(branch.info.signature) else "SciPy DOP853"
+
+
 def equations_of(system: System, branch: Branch, place: int | SpecialPoint) -> Equations:
     """The equations of a special point, or of a row.
 
@@ -38,8 +46,6 @@ def equations_of(system: System, branch: Branch, place: int | SpecialPoint) -> E
     if point is not None and point.unknowns:
         unknowns, free = np.array(point.unknowns[:-1]), free_of(branch, point)
     weights = row["weights"][np.isfinite(row["weights"])]
-    if branch.info.settings.get("kind") == "map":
-        raise CannotTell("Maps are not recomputed.")
     if not of_orbits(branch):
         states, mode = len(branch.info.states), branch.info.settings.get("mode")
         there = np.zeros(states)

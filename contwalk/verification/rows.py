@@ -13,10 +13,18 @@ from contwalk.verification.admissible import judged, kept
 from contwalk.verification.branching import Unfolded
 from contwalk.verification.curves import of_curve, on_limit, unfolds
 from contwalk.verification.equations import Equations
-from contwalk.verification.finding import AGREES, DISAGREES, MOVED, SLACK, CannotTell, Finding
+from contwalk.verification.finding import (
+    AGREES,
+    DISAGREES,
+    MOVED,
+    SLACK,
+    CannotTell,
+    Finding,
+    judged_by_errors,
+)
 from contwalk.verification.orbit import OrbitEquations
 from contwalk.verification.passage import COARSER, TIGHT
-from contwalk.verification.records import equations_of, of_orbits
+from contwalk.verification.records import equations_of, method_of
 from contwalk.verification.solving import ROUGH, Condition, Held, NotThere, Sheet, Solution, solved
 
 # How many eigenvalues are at the border all along a curve.
@@ -25,9 +33,7 @@ CRITICAL = {"LP": 1, "BP": 1, "PD": 1, "HB": 2, "NS": 2}
 
 def checked_row(system: System, branch: Branch, row: int) -> list[Finding]:
     """The solution of a row, its leading eigenvalue, and how many directions are unstable."""
-    begun = Finding(
-        branch.name, str(row), "solution", method="SciPy DOP853" if of_orbits(branch) else "Newton"
-    )
+    begun = Finding(branch.name, str(row), "solution", method=method_of(branch))
     try:
         equations = equations_of(system, branch, row)
         if unfolds(branch):
@@ -131,9 +137,7 @@ def _solution(
     )
     if not np.isfinite(result.stored_error):
         return replace(result, reason="the row has no error that it could be compared with")
-    if result.difference > SLACK * (result.stored_error + result.own_error):
-        return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")
-    return replace(result, verdict=AGREES)
+    return judged_by_errors(result, float(np.linalg.norm(np.spacing(np.abs(found.at.z[which])) / scale)))
 
 
 def _leading(begun: Finding, branch: Branch, row: int, equations: Equations, found: Solution) -> Finding:
@@ -159,9 +163,7 @@ def _leading(begun: Finding, branch: Branch, row: int, equations: Equations, fou
         z[which] = equations.z[which]
         shifted = np.abs(equations.at(z, found.at.relative).spectrum - spectrum[nearest]).min()
         result = replace(result, own_error=known + float(shifted))
-    if result.difference > SLACK * (result.stored_error + result.own_error):
-        return replace(result, verdict=DISAGREES, reason=f"more than {SLACK:g} times the errors of both")
-    return replace(result, verdict=AGREES)
+    return judged_by_errors(result, float(np.spacing(np.abs(spectrum).max())))
 
 
 def _stability(begun: Finding, branch: Branch, row: int, equations: Equations, found: Solution) -> Finding:

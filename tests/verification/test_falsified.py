@@ -12,11 +12,11 @@ from small_systems import labelled, small_system
 
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.system import System, Transition
+from contwalk.system import Mode, Parameter, State, System, Transition
 from contwalk.verification.checking import checked, records_of
 from contwalk.verification.finding import AGREES, CANNOT_TELL, DISAGREES, Finding
 
-RANGES = {"b": (-0.24, 1.0), "mu": (-0.3, 0.2), "a": (-3.0, 3.0), "lift": (1.1, 2.4)}
+RANGES = {"b": (-0.24, 1.0), "mu": (-0.3, 0.2), "a": (-3.0, 3.0), "lift": (1.1, 2.4), "r": (2.5, 3.4)}
 
 
 def takens(t, x, p, dx):
@@ -65,6 +65,18 @@ BALL = machine(
 )
 
 
+def logistic(t, x, p, x_plus):
+    x_plus[0] = p.r * x[0] * (1.0 - x[0])
+
+
+LOGISTIC = System(
+    "logistic",
+    states=(State("x"),),
+    parameters=(Parameter("r", 2.8),),
+    modes=(Mode("map", logistic, kind="map"),),
+)
+
+
 @pytest.fixture(scope="module")
 def studies() -> list[tuple[System, list[Branch]]]:
     """Equilibria with their cycles, a closed branch, and a ball on a table that doubles its period."""
@@ -76,8 +88,9 @@ def studies() -> list[tuple[System, list[Branch]]]:
         found.append((system, [branch, cw.switch_branch(rest, branch, "HB1", range=RANGES[free])]))
     system = small_system(ring, "x", {"a": 0.0})
     rings = cw.continue_branch(cw.Equilibrium(system, system.defaults(), "a"), [-1.0], RANGES["a"])
+    cycles = branch_of(LOGISTIC, "r", RANGES["r"], [0.6], until=100.0)
     balls = branch_of(BALL, "lift", RANGES["lift"], [1.0, 3.0], until="settled", events={"GR": "ignore"})
-    return [*found, (system, [rings]), (BALL, [balls])]
+    return [*found, (system, [rings]), (LOGISTIC, [cycles]), (BALL, [balls])]
 
 
 def verdicts(system: System, branch: Branch, record: SpecialPoint | int) -> list[Finding]:
@@ -122,3 +135,21 @@ def test_a_branch_that_has_just_begun_is_not_closed(studies):
     short = replace(branch, points=branch.points[:3])
     (found,) = verdicts(system, short, replace(end, index=2, s=short.points["s"][-1]))
     assert (found.verdict, found.reason) == (DISAGREES, "its last step leads away from its start")
+
+
+def test_cycles_of_maps_are_iterated(studies):
+    system, (branch,) = studies[-2]
+    (point,) = labelled(branch, "PD")  # at r = 3
+    found = verdicts(system, branch, point) + verdicts(system, branch, 1)
+    assert {(each.method, each.verdict) for each in found} == {("iteration", AGREES)}
+    assert abs(found[0].recomputed - 3.0) <= 1e-12
+
+
+def test_a_row_that_claims_more_than_a_check_sees_is_not_agreed_with(studies):
+    """The second computation is known to its tolerance, whatever the row says."""
+    system, (branch,) = studies[-1]
+    assert verdicts(system, branch, 5)[0].verdict == AGREES
+    points_ = branch.points.copy()
+    points_["error"][5] = 0.0
+    found = verdicts(system, replace(branch, points=points_), 5)[0]
+    assert (found.verdict, "only" in found.reason) == (CANNOT_TELL, True), found
