@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -26,8 +27,6 @@ LIMITS = {"grazing": "GR", "order_change": "OC", "inadmissible": "AZ", "boundary
 # What is said where a curve of branch points is none any more.
 NOT_KEPT = "does not persist"
 Ranges = Mapping[str, tuple[float, float]]
-# An end is a limit that is not reached: so much nearer to it than where the branch is at its middle.
-NEARER = 0.1
 
 
 def checked_end(system: System, branch: Branch, end: SpecialPoint, ranges: Ranges) -> Finding:
@@ -45,10 +44,11 @@ def checked_end(system: System, branch: Branch, end: SpecialPoint, ranges: Range
             verdict, reason = _bound(branch, end, ranges)
         elif word in LIMITS:
             # Beside it a curve in two parameters may be at something else: GRNS.
-            met = any(
-                point.label.startswith(LIMITS[word]) and point.s == end.s for point in branch.special_points
-            )
-            if not met and _names(system, branch, end, LIMITS[word]):
+            there = [point.label for point in branch.special_points if point.s == end.s]
+            met = any(label.startswith(LIMITS[word]) for label in there)
+            # Where another limit is, it is that one that the branch ends at.
+            other = any(label.startswith(tuple(LIMITS.values())) for label in there)
+            if not (met or other) and _names(system, branch, end, LIMITS[word]):
                 raise CannotTell("the limit that it names is farther ahead than the branch goes")
             verdict, reason = _told(met, f"no {LIMITS[word]} is there")
         elif NOT_KEPT in (end.note or ""):
@@ -56,7 +56,7 @@ def checked_end(system: System, branch: Branch, end: SpecialPoint, ranges: Range
         elif word == "closed":
             verdict, reason = _closed(system, branch)
         elif word == "unbounded":
-            verdict, reason = _unbounded(branch, end, ranges)
+            verdict, reason = _unbounded(system, branch, end, ranges)
         elif word == "homoclinic" and of_orbits(branch):
             verdict, reason = _homoclinic(system, branch, end)
         elif word == "shrunk" and of_orbits(branch):
@@ -105,7 +105,7 @@ def _sizes_of_free(branch: Branch, row: int) -> np.ndarray:
 
 
 def _closed(system: System, branch: Branch) -> tuple[str, str]:
-    """The last row is one step from the start, and Newton's method goes there, to the same solution."""
+    """The last row is a step from the start, no longer than others, and Newton's method goes there."""
     first = int(np.argmin(np.abs(branch["s"])))
     end = 0 if first else len(branch) - 1
     sizes = _sizes_of_free(branch, end)
@@ -115,15 +115,14 @@ def _closed(system: System, branch: Branch) -> tuple[str, str]:
         or apart.max() <= SLACK * np.nan_to_num(branch.points["error"]).max() + COARSER * TIGHT
     ):
         return DISAGREES, "all its rows are one point to their errors"
-    inner = end - 1 if end else 1
-    step = abs(float(branch["s"][end] - branch["s"][inner]))
-    if first not in (0, len(branch) - 1) or apart[end] > 2.0 * step:
-        return DISAGREES, "its last row is far from its start"
     # The row before may be the start itself, where a special point is located there.
     told, before = _in_ranges(branch), 2 if end == 0 else end - 2
     if (told[first] - told[before]) @ (told[end] - told[before]) <= 0.0:
         return DISAGREES, "its last step leads away from its start"
-    if np.any(np.abs(told[first] - told[end]) > 2.0 * np.abs(told[end] - told[before])):
+    steps = np.linalg.norm(np.diff(branch["free"], axis=0) / sizes, axis=1)
+    if first not in (0, len(branch) - 1) or apart[end] > steps.max():
+        return DISAGREES, "its last row is far from its start"
+    if np.any(np.abs(told[first] - told[end]) > np.abs(np.diff(told, axis=0)).max(axis=0)):
         raise CannotTell(
             "its last state is far from its start: another solution, or the same begun elsewhere"
         )
@@ -174,8 +173,8 @@ def _comes_apart(system: System, branch: Branch, end: SpecialPoint) -> tuple[str
     return DISAGREES, f"the branches that cross still do beyond it, at {there}"
 
 
-def _unbounded(branch: Branch, end: SpecialPoint, ranges: Ranges) -> tuple[str, str]:
-    """The solution, or its period, is at its largest there, and far beyond what it is halfway."""
+def _unbounded(system: System, branch: Branch, end: SpecialPoint, ranges: Ranges) -> tuple[str, str]:
+    """The solution, or its period, is at its largest there, and grows while the parameter stands still."""
     free = dict(zip(branch.info.free, branch.points["free"][end.index], strict=True))
     if any(value in ranges.get(name, ()) for name, value in free.items()):
         return DISAGREES, "it is at an end of its range"
@@ -184,14 +183,21 @@ def _unbounded(branch: Branch, end: SpecialPoint, ranges: Ranges) -> tuple[str, 
     )
     if size[end.index] < size.max():
         return DISAGREES, "its solution is larger elsewhere"
-    # One that grows as a logarithm is not large yet: the parameter stands still beside it.
-    near = branch.points[end.index : end.index + 2] if end.index == 0 else branch.points[end.index - 1 :]
-    moved = np.linalg.norm(np.diff(near["state"], axis=0)) / max(float(size.max()), EPSILON)
-    still = (
-        float(np.linalg.norm(np.diff(near["free"], axis=0) / _sizes_of_free(branch, end.index)))
-        <= ROUGH * moved
-    )
-    return _told(bool(still or size[end.index] > np.median(size) / NEARER), "its solution is not large there")
+    if not _stands_still(branch, end, size):
+        return DISAGREES, "its parameter does not come to a limit as it grows"
+    if of_orbits(branch):
+        with suppress(CannotTell):
+            if _homoclinic(system, branch, end)[0] == AGREES:
+                return DISAGREES, "its period runs off beside an equilibrium"
+    return AGREES, ""
+
+
+def _stands_still(branch: Branch, end: SpecialPoint, size: np.ndarray) -> bool:
+    """Whether free parameters do, to a quarter of the digits of their sizes, as something grows, (rows,)."""
+    inner = 1 if end.index == 0 else end.index - 1
+    moved = (branch["free"][end.index] - branch["free"][inner]) / _sizes_of_free(branch, end.index)
+    grown = np.log(size[end.index] / size[inner])
+    return bool(np.linalg.norm(moved) <= EPSILON**0.25 * grown)
 
 
 def _homoclinic(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str]:
@@ -213,30 +219,26 @@ def _homoclinic(system: System, branch: Branch, end: SpecialPoint) -> tuple[str,
         ]
     )
     slow = states[int(np.argmin(speeds))]
-    size = float(np.linalg.norm(np.ptp(states, axis=0)))
+    size = float(np.linalg.norm(np.ptp(states, axis=0) / equations._scale(leg.mode)))
     rest = _equilibrium(equations, leg.mode, slow, p)
-    if rest is None or np.linalg.norm(rest[0] - slow) > NEARER * size:
+    if rest is None or not _linear(equations, leg.mode, slow[None], rest, p):
         _comes_back(equations, at)
         return DISAGREES, "the orbit is beside no equilibrium"
-    if float(speeds.min()) < NEARER * float(np.mean(speeds)):
+    if not _stands_still(branch, end, period):
+        return DISAGREES, "the period does not run off"
+    if float(speeds.min()) * float(period[end.index]) < size:  # so slow it would not go round
         return AGREES, ""
-    if _runs_off(branch, end):
-        raise CannotTell("the orbit passes an equilibrium, beside which it is not slow yet")
-    return DISAGREES, "the orbit does not slow down"
+    raise CannotTell("the orbit passes an equilibrium, beside which it is not slow yet")
 
 
-def _runs_off(branch: Branch, end: SpecialPoint) -> bool:
-    """Whether a period does that is slow all along: as a logarithm of what is left, which is its slope over
-    how fast that grows, no farther than the branch has gone with its last step.
-    """
-    last = branch.points[:3][::-1] if end.index == 0 else branch.points[-3:]
-    if len(last) < 3:
-        return False
-    moved = np.linalg.norm(np.diff(last["free"], axis=0) / _sizes_of_free(branch, end.index), axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slopes = np.diff(last["period"]) / moved
-        ahead = slopes[1] * moved.mean() / (slopes[1] - slopes[0])
-    return bool(0.0 < ahead <= moved[1])
+def _linear(
+    equations: Equations, mode: str, states: np.ndarray, rest: tuple[np.ndarray, np.ndarray], p: np.ndarray
+) -> bool:
+    """Whether an equilibrium's linearisation tells the field at states, (m, n), better than nothing does."""
+    scale = equations._scale(mode)  # type: ignore[attr-defined]
+    told = (states - rest[0]) @ rest[1].T / scale
+    fields = np.array([equations.functions.field(mode)(0.0, x, p)[0] for x in states]) / scale
+    return bool(np.max(np.linalg.norm(fields - told, axis=1)) < np.max(np.linalg.norm(told, axis=1)))
 
 
 def _shrunk(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str]:
@@ -252,12 +254,11 @@ def _shrunk(system: System, branch: Branch, end: SpecialPoint) -> tuple[str, str
     if rest is None:
         _comes_back(equations, at)
         return DISAGREES, "there is no equilibrium inside the orbit"
-    _, matrix = rest
     size = float(np.max(np.ptp(states, axis=0) / equations._scale(mode)))
-    turn = np.abs(np.linalg.eigvals(matrix) * branch["period"][end.index] - 2j * np.pi).min() / (2.0 * np.pi)
-    return _told(
-        size < NEARER and turn < NEARER, "the orbit is not small, or no eigenvalue swings with its period"
-    )
+    turn = np.abs(np.linalg.eigvals(rest[1]) * branch["period"][end.index] - 2j * np.pi).min() / (2.0 * np.pi)
+    # Its parameter is as far from the Hopf point as the square of its size; it turns otherwise by no more.
+    small = size**2 <= EPSILON**0.25 and turn <= size
+    return _told(bool(small), "the orbit is not small, or no eigenvalue swings with its period")
 
 
 def _comes_back(equations: OrbitEquations, at: Evaluation) -> None:
@@ -267,7 +268,7 @@ def _comes_back(equations: OrbitEquations, at: Evaluation) -> None:
     ------
     CannotTell
     """
-    if not np.linalg.norm(at.residual) <= NEARER * np.linalg.norm(equations.scale):
+    if not np.linalg.norm(at.residual) <= np.linalg.norm(equations.scale):
         raise CannotTell("the motion from its stored start does not come back: rounding has grown beyond it")
 
 

@@ -197,7 +197,7 @@ def unstable_between(branch: Branch, found: Solution, unit: bool) -> tuple[int, 
     order = np.argsort(np.abs(beyond))
     held = order[:critical]
     # A fold in what says where on a held family one is has no eigenvalue at the border: all count there.
-    if critical and np.all(np.abs(beyond[held]) <= level[held] + ROUGH * np.abs(spectrum).max()):
+    if critical and np.all(np.abs(beyond[held]) <= level[held]):
         saddle = int(critical == 2 and not np.any(np.abs(spectrum[held].imag) > 0.0))
         beyond, level = beyond[order[critical:]], level[order[critical:]]
         return int(np.sum(beyond > level)) + saddle, int(np.sum(beyond > -level)) + saddle
