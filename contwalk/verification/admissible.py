@@ -93,16 +93,17 @@ def margins_agree(stored: Mapping[str, float], numbers: Sequence[Kept], claim: f
     claim : float
         How many times the errors of the numbers the record's own are.
     """
+    missing = ""
     for name, value in stored.items():
         own = [each for each in numbers if each.name == name]
         size = EPSILON**0.25 * max((abs(each.value) for each in own), default=0.0)
         off = [abs(each.value - value) - (1.0 + claim) * each.error - size for each in own]
         if not off:
-            return CANNOT_TELL, f"its margin {name} is not recomputed"
-        if min(off) > np.spacing(abs(value)):
+            missing = missing or f"its margin {name} is not recomputed"
+        elif min(off) > np.spacing(abs(value)):
             nearest = own[int(np.argmin(off))].value
             return DISAGREES, f"its margin {name} is {value:.6g}, and {nearest:.6g} is the nearest to it"
-    return AGREES, ""
+    return (CANNOT_TELL, missing) if missing else (AGREES, "")
 
 
 def _of_mode(equations: EquilibriumEquations, at: Evaluation, off: np.ndarray) -> Iterator[Kept]:

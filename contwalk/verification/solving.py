@@ -150,8 +150,11 @@ def _solved(sheet: Sheet, conditions: list[Condition], relative: float) -> Solut
         error += sheet.rounding(fine)
     spread = np.array([])
     if np.isfinite(fine.matrix).all():
-        spread = np.array([_nearest(coarse.spectrum, value) for value in fine.spectrum])
-        spread += rounded_eigenvalues(fine.matrix)
+        spread = rounded_eigenvalues(fine.matrix)
+        if np.isfinite(coarse.matrix).all():
+            spread += [_nearest(coarse.spectrum, value) for value in fine.spectrum]
+        else:  # one of both motions only touches an event
+            spread += np.inf
     return Solution(fine, fine.z - equations.z, error, spread, first)
 
 
