@@ -142,6 +142,8 @@ class Pushing:
                 if each.role == "hard" and each.level and self._carried(each, begun, there, name == mode):
                     return self.motion.after(each, t, there)
         for each in self.functions.system.leaving(mode):
+            if each.name == begun.last and each.role == "hard" and self._turned_back(each, begun, there):
+                return self.motion.after(each, t, there)
             past = each.role == "hard" and self._carried(each, begun, there, True)
             if past and not (each.target == each.source and self._goes_on(each, t, x, there)):
                 return None
@@ -159,6 +161,14 @@ class Pushing:
         if each.level:
             return sign * new > noise and (not same or sign * (new - old) > noise)
         return sign * old <= noise < sign * new
+
+    def _turned_back(self, each: Transition, begun: Standing, there: np.ndarray) -> bool:
+        """Whether an event that has just happened does so again at a state, (n,), to which it is pushed: its
+        guard is zero still, and goes where it came from, as it does not without the push."""
+        before, after = (self.motion.guard(each, begun.time, x) for x in (begun.x, there))
+        way = {"rising": 1.0, "falling": -1.0, "both": -float(np.sign(before.rate))}[each.direction]
+        still = abs(after.value - before.value) <= before.noise + after.noise
+        return still and way * after.rate > 0.0 >= way * before.rate
 
     def _goes_on(self, each: Transition, t: float, x: np.ndarray, there: np.ndarray) -> bool:
         """Whether a motion that meets a guard between two states, (n,), goes on past it after its event."""
