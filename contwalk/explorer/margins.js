@@ -1,6 +1,6 @@
 // How far a motion may be pushed: a table of bars to click on; the machine and the facts of a push.
 function pushed(data, machine) {
-  document.body.classList.add("pushed");
+  document.body.classList.add("pushed", "rest");
   get("margins-panel").hidden = !data.margins.rows.length;
   get("basin-panel").hidden = !data.basin;
   const { instants, rows } = data.margins, found = data.draws ? motions("margins") : new Map();
