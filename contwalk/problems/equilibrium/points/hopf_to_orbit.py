@@ -14,10 +14,10 @@ from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
 from contwalk.problems.equilibrium.points.several_waves import waves_at
 from contwalk.problems.held_quantities import HeldQuantity
 from contwalk.problems.images import imaged
+from contwalk.problems.kept_spaces import keeps, linear_image
 from contwalk.problems.neutral import generator_at
 from contwalk.problems.orbit import equations
 from contwalk.problems.orbit.closure import order_of
-from contwalk.problems.orbit.kept_directions import keeps, linear_image
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.remesh import mesh_for
 from contwalk.problems.orbit.section import section_at

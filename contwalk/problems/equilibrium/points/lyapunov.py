@@ -13,7 +13,7 @@ import numpy as np
 from contwalk.numerics.linear import nearest_eigenpair
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import Forms
-from contwalk.problems.orbit.kept_directions import SAME
+from contwalk.problems.kept_spaces import SAME
 
 # Eigenvalues are one that differ by less than this part of the frequency.
 ALIKE = 1e-7

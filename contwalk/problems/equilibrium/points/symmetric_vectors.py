@@ -15,7 +15,7 @@ import numpy as np
 from contwalk.numerics.permutations import Permutation
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.images import imaged
-from contwalk.problems.orbit.kept_directions import SAME, keeps, linear_image, turned
+from contwalk.problems.kept_spaces import SAME, keeps, linear_image, turned
 from contwalk.system.declarations import ParameterValues
 
 
