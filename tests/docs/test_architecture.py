@@ -50,6 +50,15 @@ def test_the_picture_has_the_packages_of_today():
     assert drawn == [box.name for outer in boxes(house()) for box in outer.all()], ANEW
 
 
+def test_no_box_of_the_picture_covers_another():
+    drawn = boxes(house())
+    for outer in drawn:
+        beside = [box for box in drawn if box.y == outer.y and box is not outer]
+        assert all(box.x >= outer.x + outer.width or box.x + box.width <= outer.x for box in beside), (
+            outer.name
+        )
+
+
 def test_the_picture_has_the_arrows_of_today():
     assert drawn_arrows() == arrows(house()), ANEW
 

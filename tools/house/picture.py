@@ -24,12 +24,15 @@ ENTRY = "__main__"
 FEW = 4
 OWN = "own"
 
-# Where the boxes of a layer stand, as the left and the right edge; others share what is free.
+# Where the boxes of a layer stand, as the left and the right edge; a layer with another box is shared evenly.
 WIDTH = 1200
 COLUMNS = {
-    "cli": (400, 800),
+    "cli": (200, 600),
+    "shortcuts": (640, 1180),
     "workflow": (200, 1180),
+    "comparing": (20, 310),
     "studies": (330, 730),
+    "verification": (770, 1180),
     "plugin_check": (20, 250),
     "diagram": (330, 730),
     "continuation": (330, 730),
@@ -38,11 +41,6 @@ COLUMNS = {
     "problems": (20, 780),
     "flow": (240, 700),
     "fields": (340, 690),
-    "numerics": (20, 220),
-    "system": (330, 790),
-    "branch": (840, 1180),
-    "errors": (430, 720),
-    "memory": (60, 390),
     "python_functions": (430, 720),
 }
 MARGIN, GAP, ROW, TITLE, SMALL, LETTER = 14, 26, 34, 22, 13, 5.9
@@ -137,9 +135,11 @@ def boxes(house: House) -> list[Box]:
 
 
 def _columns(layer: Sequence[str]) -> list[tuple[float, float]]:
-    """Left and right edges; a package that the layout does not know has an equal share of the row."""
+    """Left and right edges, shares of the row where the layout does not know all of its boxes."""
+    if all(name in COLUMNS for name in layer):
+        return [COLUMNS[name] for name in layer]
     share = WIDTH / len(layer)
-    return [COLUMNS.get(name, (i * share + MARGIN, (i + 1) * share - MARGIN)) for i, name in enumerate(layer)]
+    return [(i * share + MARGIN, (i + 1) * share - MARGIN) for i in range(len(layer))]
 
 
 def _package(house: House, name: str) -> Box:
@@ -245,7 +245,7 @@ def _lines(box: Box) -> list[str]:
 
 
 def _paths(found: Sequence[tuple[str, str]], known: Mapping[str, Box]) -> Iterator[str]:
-    """The arrows, each from the lower edge of who imports to the upper edge of what is imported."""
+    """The arrows, each from the edge of who imports to the edge of what is imported that faces it."""
     ports = _ports(found, known)
     for a, b in found:
         one, other = known[a], known[b]
@@ -253,7 +253,9 @@ def _paths(found: Sequence[tuple[str, str]], known: Mapping[str, Box]) -> Iterat
             way = _sideways(one, other)
         else:
             x0, x1, y0, y1 = ports[a, b, 0], ports[a, b, 1], one.y + one.height, other.y
-            bend = min(0.6 * (y1 - y0), 60.0)
+            if y0 > y1:  # what is in no layer may be drawn higher than who imports it
+                y0, y1 = one.y, other.y + other.height
+            bend = max(-60.0, min(0.6 * (y1 - y0), 60.0))
             way = f"M{x0:.0f},{y0:.0f} C{x0:.0f},{y0 + bend:.0f} {x1:.0f},{y1 - bend:.0f} {x1:.0f},{y1:.0f}"
         yield f'<path class="import" data-from={quoteattr(a)} data-to={quoteattr(b)} d="{way}"/>'
 
