@@ -16,6 +16,7 @@ html_theme = "furo"
 html_title = f"contwalk {__version__}"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
+highlight_language = "none"  # of blocks that name none: commands and formulas
 default_role = "code"  # what docstrings have between single backticks
 html_copy_source = False
 html_show_sphinx = html_show_copyright = False

@@ -45,8 +45,8 @@ def staged(where: Path) -> list[str]:
     for name, place in pages.items():
         text = (ROOT / name).read_text(encoding="utf-8")
         (where / place).parent.mkdir(parents=True, exist_ok=True)
-        # To Pygments a console is a shell, in which `continue` is a word of its own.
-        text = re.sub(r"^( *```)console$", r"\1text", text, flags=re.MULTILINE)
+        # To Pygments these are shells, in which `continue` is a word of its own.
+        text = re.sub(r"^( *```)(console|bash|sh)$", r"\1text", text, flags=re.MULTILINE)
         (where / place).write_text(_relinked(text, name, place, pages, where), encoding="utf-8")
     _explored(where)
     return [place.with_suffix("").as_posix() for place in pages.values()]
