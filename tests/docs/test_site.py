@@ -60,3 +60,10 @@ def test_dead_links_of_the_site_are_told(tmp_path):
         "a.html: c.html is not there",
         "b.html: https://e.org/x.png is fetched from a network",
     ]
+
+
+def test_no_line_of_a_page_is_a_comment(source):
+    """To MyST what follows a percent sign at the start of a line is not for the reader."""
+    for page in source[0].rglob("*.md"):
+        text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+        assert not re.search(r"^ {0,3}%", text, flags=re.MULTILINE), page.name
