@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
@@ -39,6 +40,32 @@ class ContwalkError(Exception):
 
     def __str__(self) -> str:
         return f"{self.sentence} {self.remedy}".strip()
+
+    def _render_traceback_(self) -> list[str]:
+        """What IPython shows: the lines of whoever called, and what was wrong."""
+        frames = [f for f in traceback.extract_tb(self.__traceback__) if is_of_plugin(f.filename)]
+        return [*map(str.rstrip, traceback.format_list(frames)), f"{type(self).__name__}: {self}"]
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C, in a sentence that says what is kept and how it goes on."""
+
+    def _render_traceback_(self) -> list[str]:
+        """What IPython shows: the sentence, and nothing of the machinery that was interrupted."""
+        return [str(self)]
+
+
+@contextmanager
+def interruptible(
+    sentence: str = "Interrupted: of this nothing is kept. cw.diagram and cw.run keep all that they find.",
+) -> Iterator[None]:
+    """Within it, and in functions under it, Ctrl-C says this sentence, and not where it came."""
+    try:
+        yield
+    except Interrupted:
+        raise
+    except KeyboardInterrupt:
+        raise Interrupted(sentence) from None
 
 
 class SystemDefinitionError(ContwalkError):

@@ -12,27 +12,7 @@ from typing import Any
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.cli.terminal import console
 from contwalk.number_words import plural
-from contwalk.workflow.runner import Reporter
-
-
-class NoteKeeper(Reporter):
-    """Keeps the notes for the summary."""
-
-    def __init__(self) -> None:
-        self.notes: list[str] = []
-
-    def note(self, text: str) -> None:
-        """Keep a note, once."""
-        if text not in self.notes:
-            self.notes.append(text)
-
-    def __enter__(self) -> NoteKeeper:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Nothing to release."""
+from contwalk.workflow.reporter import NoteKeeper, Visited, point_words
 
 
 class ProgressLine(NoteKeeper):
@@ -48,8 +28,7 @@ class ProgressLine(NoteKeeper):
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
         super().__init__()
-        self._low, self._high = ends
-        self._visited: dict[str, tuple[float, float]] = {}
+        self._visited = Visited(ends)
         columns = (
             TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=20),
@@ -75,15 +54,10 @@ class ProgressLine(NoteKeeper):
 
     def point(self, info: BranchInfo, parameter: float, step: float, unstable: int, number: int) -> None:
         """Redraw the line."""
-        low, high = self._visited.get(info.name, (parameter, parameter))
-        low, high = min(low, parameter), max(high, parameter)
-        self._visited[info.name] = low, high
-        width = self._high - self._low
-        where = f"{info.name}  {info.free[0]} = {parameter:.6g}  step {step:.1e}"
-        text = f"{where}  unstable {unstable}  point {number}"
+        part = self._visited.part(info.name, parameter)
         if self._task is not None:
-            done = (high - low) / width if width > 0.0 else 0.0
-            self._progress.update(self._task, description=text, completed=min(done, 1.0))
+            text = point_words(info, parameter, step, unstable, number)
+            self._progress.update(self._task, description=text, completed=part)
 
     def special(self, info: BranchInfo, point: SpecialPoint) -> None:
         """A line that stays for each special point."""

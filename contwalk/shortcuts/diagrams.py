@@ -3,30 +3,28 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import shutil
-import tempfile
 import weakref
 from collections.abc import Iterator, Mapping, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from contwalk import tables
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.branch_words import small_diagram, table_of_branches, told_branch
 from contwalk.equations.loading import PREFIX, is_equations
-from contwalk.errors import ContwalkError, StartError
+from contwalk.errors import ContwalkError, StartError, interruptible
 from contwalk.figure_formats import FORMATS
 from contwalk.plugin_check.at_load import load_system
+from contwalk.shortcuts.computing import NOTHING_KEPT, Computed, begins_so, computed
 from contwalk.storage import open_database
 from contwalk.storage.file_database import FileDatabase
 from contwalk.system import System
 from contwalk.system.loading import made
 from contwalk.system.names import nearest
-from contwalk.workflow.run_file.reading import read_run_text
-from contwalk.workflow.runner import Reporter, run
+from contwalk.workflow.notebook_line import watcher
+from contwalk.workflow.reporter import NoteKeeper
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,9 +37,14 @@ def diagram(
     *,
     start: Mapping[str, Any] | None = None,
     parameters: Mapping[str, float] | None = None,
+    output: str | Path | None = None,
+    resume: bool = False,
     **run_file_keys: Any,
 ) -> DiagramFound:
     """Compute what a run file with its defaults computes.
+
+    After Ctrl-C the same call goes on, to the same bits; in another process it does so with an `output`, and
+    `resume`. In notebooks a line of the cell shows how far it is.
 
     Parameters
     ----------
@@ -56,6 +59,10 @@ def diagram(
         comes back says which.
     parameters : mapping, optional
         Values of others than the defaults.
+    output : str or Path, optional
+        The database to write, `x.h5`. Without one it goes with the diagram, and `d.save` keeps it.
+    resume : bool
+        Go on with an output that exists.
     **run_file_keys
         Further keys of a run file: `diagram={"follow": ["HB"]}`, `accuracy=1e-10`, `mark=...`.
 
@@ -68,7 +75,36 @@ def diagram(
     ------
     ContwalkError
         For bad input; and where no start leads to a solution, with what became of each.
+    KeyboardInterrupt
+        After Ctrl-C, with a sentence that says what is kept.
     """
+    with interruptible(NOTHING_KEPT), watcher(_ends(range)) as told:
+        target = _target(output, resume)
+        return _diagram(system, parameter, range, start, parameters, target, run_file_keys, told)
+
+
+def _target(output: str | Path | None, resume: bool) -> Path | None:
+    if output is not None and Path(output).exists() and not resume:
+        raise ContwalkError(f"{output} exists.", "Go on with it by resume=True, or give another output.")
+    return None if output is None else Path(output)
+
+
+def _ends(range: Sequence[float]) -> tuple[float, float]:
+    """The range for who shows how far it is; empty where it is none, which reading it refuses."""
+    numbers = [float(value) for value in range if isinstance(value, Real)]
+    return (min(numbers), max(numbers)) if numbers else (0.0, 0.0)
+
+
+def _diagram(
+    system: System | str | Path,
+    parameter: str,
+    range: Sequence[float],
+    start: Mapping[str, Any] | None,
+    parameters: Mapping[str, float] | None,
+    target: Path | None,
+    run_file_keys: dict[str, Any],
+    told: NoteKeeper,
+) -> DiagramFound:
     loaded = system if isinstance(system, System) else load_system(system, run_file_keys.pop("model", None))
     if not loaded.loaded_from:
         loaded = made(loaded, hashlib.sha256(str(id(loaded)).encode()).hexdigest())
@@ -80,12 +116,14 @@ def diagram(
         data["parameters"] = {**(parameters or {}), **place}
     more = {"parameter": parameter, "range": list(range), **run_file_keys.pop("continue_", {})}
     data |= {"continue": more, **run_file_keys}
-    tried: list[str] = []
-    for words, given in _starts(loaded, start):
+    starts, tried = list(_starts(loaded, start)), list[str]()
+    if target is not None and target.exists():  # one of them was the run's; else it is refused
+        starts = [each for each in starts if begins_so(target, {**data, "start": each[1]})] or starts[:1]
+    for words, given in starts:
         at = "".join(f", at {name} = {value:g}" for name, value in place.items())
-        found = _computed(loaded, {**data, "start": given}, words + at)
-        if isinstance(found, DiagramFound):
-            return found
+        found = computed(loaded, {**data, "start": given}, told, target)
+        if isinstance(found, Computed):
+            return DiagramFound(loaded, found, words + at, told.notes)
         tried.append(f"{words}: {found}")
     raise StartError(
         f"No start of '{loaded.name}' leads to a solution. {' '.join(tried)}",
@@ -148,78 +186,6 @@ def _existing(system: System) -> list[str]:
     return [system.state_names[i] for i in system.states_of(system.modes[0].name)]
 
 
-def _computed(system: System, data: Mapping[str, Any], words: str) -> DiagramFound | str:
-    """What a run file finds; where its start leads to nothing, a sentence."""
-    folder = Path(tempfile.mkdtemp(prefix="contwalk-"))
-    keep = False
-    try:
-        told = _Told()
-        path = folder / f"{system.name}.h5"
-        run_file = read_run_text(_yaml(data), Path("cw.diagram"), output=str(path))
-        result = run(run_file, figures=False, reporter=told)
-        failed = [branch for branch in result.branches if not len(branch)]
-        if len(failed) == len(result.branches):
-            return failed[0].outcome.message if failed else "there is no branch."
-        keep = True
-        moved = _moved(data, result.branches[0], run_file.accuracy)
-        return DiagramFound(system, path, words, told.notes, moved)
-    except StartError as error:
-        return str(error)
-    finally:
-        if not keep:
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-def _moved(data: Mapping[str, Any], branch: Branch, accuracy: float) -> str:
-    """How far a start that was given as a state lies from the solution that it led to."""
-    given = data["start"].get("state")
-    free = data["continue"]["parameter"]
-    if not given or branch.info.problem != "equilibrium" or not len(branch):
-        return ""
-    value = data.get("parameters", {}).get(free)
-    if value is None:
-        value = branch.info.parameters.get(free)
-    rows = np.abs(branch[free] - value) if value is not None else np.zeros(len(branch))
-    row = int(np.argmin(rows))
-    moves = {name: float(branch[name][row]) - value for name, value in given.items()}
-    name = max(moves, key=lambda each: abs(moves[each]))
-    seen = abs(moves[name]) > accuracy * max(1.0, abs(given[name]))
-    return f"{name} moved by {moves[name]:.3g}" if seen else ""
-
-
-class _Told(Reporter):
-    """Keeps the notes of a run."""
-
-    def __init__(self) -> None:
-        self.notes: list[str] = []
-
-    def note(self, text: str) -> None:
-        self.notes.append(text)
-
-
-def _yaml(data: Mapping[str, Any]) -> str:
-    from ruamel.yaml import YAML
-
-    yaml = YAML(pure=True)
-    yaml.default_flow_style = None
-    stream = io.StringIO()
-    yaml.dump(_plain(data), stream)
-    return stream.getvalue()
-
-
-def _plain(value: Any) -> Any:
-    """A value in the kinds that YAML has."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(each) for key, each in value.items()}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, list | tuple | set | frozenset | type(range(0))):
-        return [_plain(each) for each in value]
-    return str(value) if isinstance(value, Path) else value
-
-
 class DiagramFound:
     """Branches and special points that `cw.diagram` has found.
 
@@ -233,13 +199,14 @@ class DiagramFound:
         All of it, as `cw.open_database` gives it.
     """
 
-    def __init__(self, system: System, path: Path, start: str, notes: Sequence[str], moved: str) -> None:
-        self.system, self.path = system, path
-        self.start = f"{start} ({moved})" if moved else start
+    def __init__(self, system: System, found: Computed, start: str, notes: Sequence[str]) -> None:
+        self.system, self.path = system, found.path
+        self.start = f"{start} ({found.moved})" if found.moved else start
         self.notes = list(notes)
-        self.database: FileDatabase = open_database(path, trust=True)
+        self.database: FileDatabase = open_database(self.path, trust=True)
         self._axes: Axes | None = None
-        weakref.finalize(self, shutil.rmtree, str(path.parent), True)
+        if found.folder is not None:
+            weakref.finalize(self, shutil.rmtree, str(found.folder), True)
 
     @property
     def branches(self) -> list[Branch]:

@@ -19,7 +19,7 @@ from contwalk.diagram.diagram import Diagram
 from contwalk.diagram.events import Plan
 from contwalk.diagram.opening import Opening
 from contwalk.diagram.reopening import stored_place
-from contwalk.errors import StartError
+from contwalk.errors import StartError, interruptible
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.locus.persistence import not_persistent
 from contwalk.problems.locus.starts import locus_at
@@ -32,6 +32,7 @@ from contwalk.system.declarations import nearest
 Range = tuple[float, float]
 
 
+@interruptible()
 @one_thread()
 def continue_locus(
     system: System,

@@ -20,7 +20,7 @@ from contwalk.diagram.branch_in_progress import Start
 from contwalk.diagram.diagram import Diagram
 from contwalk.diagram.events import Plan
 from contwalk.diagram.opening import Opening
-from contwalk.errors import StartError
+from contwalk.errors import StartError, interruptible
 from contwalk.labels import MEANINGS
 from contwalk.numerics.threads import each_on_one_thread, one_thread
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
@@ -36,6 +36,7 @@ if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
 _DIRECTIONS = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}
 
 
+@interruptible()
 @one_thread()
 def continue_branch(
     problem: Equilibrium | PeriodicOrbit | HybridOrbit,
@@ -82,6 +83,7 @@ def continue_branch(
     return _single(start, Plan(chosen, frozenset(), 0, direction_signs(direction)))
 
 
+@interruptible()
 @one_thread()
 def switch_branch(
     problem: Equilibrium | PeriodicOrbit | HybridOrbit,

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
+from contwalk.branch_words import told_branch
 from contwalk.diagram import not_begun
 from contwalk.diagram.ahead import Ahead
 from contwalk.diagram.branch_in_progress import Stored
 from contwalk.diagram.diagram import Diagram
 from contwalk.diagram.effort import LEFT_FOR_LATER
 from contwalk.diagram.events import Began, Cut, Dropped, Ended, Event, Found, Noted
-from contwalk.errors import DatabaseError
+from contwalk.errors import DatabaseError, interruptible
 from contwalk.numerics.threads import one_thread
 from contwalk.special_point import allowed_error
 from contwalk.storage.backends import backend_of
@@ -28,6 +29,7 @@ from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures_of_run import check_figures, drawn
 from contwalk.workflow.going_on import claims_of, differences, header_of_both
 from contwalk.workflow.machine import made_elsewhere, name_of_machine, versions_and_processor
+from contwalk.workflow.notebook_line import watcher
 from contwalk.workflow.plans import (
     Study,
     all_starts,
@@ -37,6 +39,7 @@ from contwalk.workflow.plans import (
     settings_of,
     studies_of,
 )
+from contwalk.workflow.reporter import Reporter
 from contwalk.workflow.run_file.reading import RunFile
 from contwalk.workflow.sweep_notes import lost_values
 from contwalk.workflow.without_value import notes_of
@@ -45,25 +48,6 @@ NO_CURVE = (
     "There is no curve in two parameters: no special point of the kinds that `loci` asks for was found where "
     "one can be followed."
 )
-
-
-class Reporter:
-    """Told what happens while it happens. Every method does nothing unless overridden."""
-
-    def branch_began(self, info: BranchInfo) -> None:
-        """A branch begins, or goes on."""
-
-    def point(self, info: BranchInfo, parameter: float, step: float, unstable: int, number: int) -> None:
-        """Point `number` of the branch was stored."""
-
-    def special(self, info: BranchInfo, point: SpecialPoint) -> None:
-        """A special point was stored."""
-
-    def branch_ended(self, branch: Branch) -> None:
-        """A branch ended."""
-
-    def note(self, text: str) -> None:
-        """Something about the run as a whole."""
 
 
 @dataclass
@@ -75,8 +59,11 @@ class RunResult:
     figures: list[Path] = field(default_factory=list)
     interrupted: bool = False
 
+    def __repr__(self) -> str:
+        how = "interrupted, run(..., resume=True) goes on" if self.interrupted else "finished"
+        return "\n".join([f"run into {self.path}, {how}", *map(told_branch, self.branches)])
 
-@one_thread()
+
 def run(
     run_file: RunFile,
     *,
@@ -99,6 +86,7 @@ def run(
     figures : bool
         Draw the figures of the run file.
     reporter : Reporter, optional
+        Told what happens. In notebooks a line of the cell is, where none is given.
     jobs : int
         Processes of this machine that branches are walked in, where there are several at once.
     executor : object, optional
@@ -109,8 +97,28 @@ def run(
     ------
     ContwalkError
         Before anything is written, for bad input; later only if the database cannot be written.
+    KeyboardInterrupt
+        Outside the computing. Within it, what comes back says that it was interrupted.
     """
-    reporter = reporter or Reporter()
+    kept = f"Interrupted. What was found is in {run_file.output}: run(..., resume=True) goes on."
+    with interruptible(kept), ExitStack() as watched:
+        reporter = reporter or watched.enter_context(watcher(run_file.range))
+        result = _run(run_file, resume, force, figures, reporter, jobs, executor)
+        if result.interrupted:
+            reporter.interrupted(kept)
+    return result
+
+
+@one_thread()
+def _run(
+    run_file: RunFile,
+    resume: bool,
+    force: bool,
+    figures: bool,
+    reporter: Reporter,
+    jobs: int,
+    executor: Any,
+) -> RunResult:
     traced(run_file)
     if figures:
         check_figures(run_file, replacing=force or (resume and run_file.output.exists()))
